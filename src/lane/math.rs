@@ -1,0 +1,1 @@
+//! Lane maths, written once for every width.

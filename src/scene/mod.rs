@@ -1,0 +1,139 @@
+//! What the user writes, validated: the only input of the [plan](crate::plan).
+//!
+//! World: right-handed. Colours: linear RGB, Rec. 709 primaries. Radiance: W·sr⁻¹·m⁻² per channel. Lengths: the
+//! scene's own unit, not yet rescaled (that happens when a scene is prepared for the kernel).
+
+/// A validated scene. Every number in it is finite and inside its documented domain; every index is in range.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Where it came from: the path as the user gave it.
+    pub name: String,
+    pub camera: Camera,
+    pub film: FilmSize,
+    pub integrator: Integrator,
+    pub environment: Option<Environment>,
+    /// All meshes, transformed and concatenated in file order.
+    pub mesh: Mesh,
+    pub spheres: Vec<Sphere>,
+    /// Indexed by [`Mesh::material`] and [`Sphere::material`].
+    pub materials: Vec<Material>,
+    /// What was assumed where a bare model left it open, one sentence each, to be printed.
+    pub assumptions: Vec<String>,
+}
+
+/// A pinhole camera. `right = forward × up`; image row 0 is the top.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    pub position: [f32; 3],
+    /// Differs from `position`.
+    pub look_at: [f32; 3],
+    /// Not parallel to the viewing direction.
+    pub up: [f32; 3],
+    /// Full vertical field of view in degrees, in (0, 180).
+    pub vfov: f32,
+}
+
+/// Film size in pixels, each side in 1 … 65,536.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FilmSize {
+    pub width: u32,
+    pub height: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Integrator {
+    pub kind: IntegratorKind,
+    /// Scattering events on a path: 0 emission only, 1 direct light, 2 one indirect bounce …
+    pub max_bounces: u32,
+    /// `depth` view: the distance that reads 0.
+    pub max_depth: f32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IntegratorKind {
+    Path,
+    Direct,
+    Normals,
+    Depth,
+    Hit,
+}
+
+#[derive(Clone, Debug)]
+pub enum Environment {
+    /// The same radiance from everywhere.
+    Constant([f32; 3]),
+    Image(EnvironmentImage),
+}
+
+/// A latitude-longitude image. Row 0 looks to +y; texel row j covers v = [j, j+1)/height; u = atan2(x, −z)/2π wrapped
+/// to [0, 1). Bilinear between texel centres, wrapping in u, clamped in v.
+#[derive(Clone, Debug)]
+pub struct EnvironmentImage {
+    pub width: usize,
+    pub height: usize,
+    /// Row-major RGB radiance, already multiplied by the scene's `radiance`; finite and ≥ 0.
+    pub texels: Vec<[f32; 3]>,
+}
+
+/// Triangles after their transform, winding flipped where the transform mirrors.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    pub positions: Vec<[f32; 3]>,
+    /// Three indices into `positions` a triangle, in file order: the triangle's index is its identity.
+    pub triangles: Vec<[u32; 3]>,
+    /// One material a triangle.
+    pub material: Vec<u32>,
+    /// Unit shading normals; empty where no mesh has any.
+    pub normals: Vec<[f32; 3]>,
+    /// Three indices into `normals` a triangle, [`NO_NORMAL`] where it has none; empty where `normals` is.
+    pub normal_indices: Vec<[u32; 3]>,
+}
+
+/// In [`Mesh::normal_indices`]: this triangle is shaded flat.
+pub const NO_NORMAL: u32 = u32::MAX;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    pub center: [f32; 3],
+    /// > 0.
+    pub radius: f32,
+    pub material: u32,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    pub name: String,
+    pub bsdf: Bsdf,
+    /// Radiance from the front side: counter-clockwise triangles, outside of spheres. ≥ 0.
+    pub emission: [f32; 3],
+}
+
+/// How a surface scatters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bsdf {
+    /// Lambert: f = ρ/π, both sides. ρ in [0, 1].
+    Diffuse { reflectance: [f32; 3] },
+    /// GGX microfacets of a metal, both sides; `alpha` = 0 is a perfect mirror. `alpha` in [0, 1].
+    Conductor { alpha: f32, masking: Masking, fresnel: ConductorFresnel },
+    /// Reflects and refracts; `alpha` = 0 is smooth. Outside (where the normal points) the index is 1.
+    Dielectric { alpha: f32, masking: Masking, ior: f32 },
+}
+
+/// Smith masking-shadowing of two directions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Masking {
+    /// Height-correlated: 1/(1 + Λ(wo) + Λ(wi)).
+    Correlated,
+    /// G1(wo)·G1(wi).
+    Separable,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ConductorFresnel {
+    /// Exact unpolarised Fresnel of the complex index η + ik per channel.
+    Exact { eta: [f32; 3], k: [f32; 3] },
+    /// Schlick's approximation from reflectance at normal incidence.
+    Schlick { f0: [f32; 3] },
+    /// No Fresnel: a constant reflectance.
+    Constant { reflectance: [f32; 3] },
+}
