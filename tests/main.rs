@@ -1,0 +1,12 @@
+//! All integration tests, by kind, in one binary.
+
+mod stats;
+
+mod bsdf;
+mod film;
+mod lane;
+mod light;
+mod oracle;
+mod sampling;
+mod scene_files;
+mod traversal;
