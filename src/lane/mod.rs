@@ -8,12 +8,12 @@
 //!
 //! This folder is the only place that names `wide` or `core::arch`.
 
-mod width1;
-mod width16;
-mod width8;
 pub mod math;
 mod vec3;
 mod wide_impl;
+mod width1;
+mod width16;
+mod width8;
 
 pub use vec3::Vec3;
 pub use wide::{f32x8, f32x16};

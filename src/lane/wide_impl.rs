@@ -260,10 +260,7 @@ macro_rules! wide_masks {
             #[inline(always)]
             fn blend_bits(self, if_true: $u, if_false: $u) -> $u {
                 reinterpret!(
-                    self.0.select(
-                        reinterpret!(if_true, $u, $f, $width),
-                        reinterpret!(if_false, $u, $f, $width)
-                    ),
+                    self.0.select(reinterpret!(if_true, $u, $f, $width), reinterpret!(if_false, $u, $f, $width)),
                     $f,
                     $u,
                     $width

@@ -3,7 +3,6 @@
 use super::{Bits, Mask, Real, reinterpret};
 use wide::{f32x8, f32x16, i32x16, u32x16};
 
-
 super::wide_lanes!(16, f32x16, u32x16, i32x16, Mask16, f32x8);
 
 /// Width 16 of [`Mask`] without AVX-512: every bit of a true lane is set.
