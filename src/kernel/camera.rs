@@ -1,0 +1,48 @@
+//! The pinhole camera in lanes.
+
+use crate::geometry::Ray;
+use crate::lane::{Real, Vec3};
+use crate::scene::{self, FilmSize};
+
+/// A camera ready for the kernel, in rescaled units.
+#[derive(Clone, Copy, Debug)]
+pub struct Camera {
+    position: [f32; 3],
+    /// Through the centre of the film.
+    forward: [f32; 3],
+    /// From the centre of the film to its right edge, at unit distance.
+    right: [f32; 3],
+    /// From the centre of the film to its top edge, at unit distance.
+    up: [f32; 3],
+    /// 2 / film size in pixels.
+    pixel: [f32; 2],
+}
+
+impl Camera {
+    /// `scale` is the power of two by which the scene is rescaled.
+    pub fn new(camera: &scene::Camera, film: FilmSize, scale: f32) -> Self {
+        let v = |a: [f32; 3]| glam::DVec3::new(a[0] as f64, a[1] as f64, a[2] as f64);
+        let forward = (v(camera.look_at) - v(camera.position)).normalize();
+        let right = forward.cross(v(camera.up)).normalize();
+        let up = right.cross(forward);
+        let half_height = (camera.vfov as f64 / 2.0).to_radians().tan();
+        let half_width = half_height * film.width as f64 / film.height as f64;
+        let f = |a: glam::DVec3| [a.x as f32, a.y as f32, a.z as f32];
+        Camera {
+            position: camera.position.map(|x| x * scale),
+            forward: f(forward),
+            right: f(right * half_width),
+            up: f(up * half_height),
+            pixel: [2.0 / film.width as f32, 2.0 / film.height as f32],
+        }
+    }
+
+    /// Rays through film positions in pixels from the top left corner. Directions are unit.
+    #[inline(always)]
+    pub fn ray<R: Real>(&self, x: R, y: R) -> Ray<R> {
+        let sx = x.mul_add(R::splat(self.pixel[0]), R::splat(-1.0));
+        let sy = y.neg_mul_add(R::splat(self.pixel[1]), R::one());
+        let direction = Vec3::splat(self.right).mul_add(sx, Vec3::splat(self.up).mul_add(sy, Vec3::splat(self.forward)));
+        Ray { origin: Vec3::splat(self.position), direction: direction.normalize(), t_max: R::splat(f32::INFINITY) }
+    }
+}

@@ -1,0 +1,213 @@
+//! Materials in lanes: one row a material, fetched by the lanes that hit it; the models evaluated where they occur.
+
+use crate::bsdf::{Conductor, ConductorFresnel, Dielectric, Diffuse, Eval, Sample};
+use crate::geometry::Rows;
+use crate::lane::{Mask, Real, Vec3};
+use crate::plan::Shading;
+use crate::scene::{self, Bsdf, Masking, Material};
+
+const KIND_DIFFUSE: f32 = 0.0;
+const KIND_CONDUCTOR: f32 = 1.0;
+const KIND_DIELECTRIC: f32 = 2.0;
+
+/// How [`ConductorFresnel`] is told apart in a row.
+const FRESNEL_EXACT: f32 = 0.0;
+const FRESNEL_SCHLICK: f32 = 1.0;
+const FRESNEL_CONSTANT: f32 = 2.0;
+
+/// All materials of a scene, one row each.
+pub struct MaterialTable {
+    rows: Rows<16>,
+}
+
+/// The materials at a packet's hits.
+pub struct MaterialAt<R: Real> {
+    kind: R,
+    /// Reflectance, η or f0.
+    a: Vec3<R>,
+    /// k.
+    b: Vec3<R>,
+    alpha: R,
+    separable: R::Mask,
+    /// [`FRESNEL_EXACT`] … of conductors, index of refraction of dielectrics.
+    c: R,
+    /// Radiance from the front.
+    pub emission: Vec3<R>,
+}
+
+impl MaterialTable {
+    pub fn new(materials: &[Material]) -> Self {
+        Self { rows: Rows::from_fn(materials.len(), |i| row(&materials[i])) }
+    }
+
+    /// The rows of the lanes in `valid`; other lanes hold a black diffuse material.
+    #[inline(always)]
+    pub fn fetch<R: Real>(&self, index: R::Bits, valid: R::Mask) -> MaterialAt<R> {
+        let [kind, ax, ay, az, ex, ey, ez, bx, by, bz, alpha, separable, c, ..] = self.rows.fetch::<R>(index, valid);
+        MaterialAt {
+            kind,
+            a: Vec3::new(ax, ay, az),
+            b: Vec3::new(bx, by, bz),
+            alpha,
+            separable: separable.gt(R::zero()),
+            c,
+            emission: Vec3::new(ex, ey, ez),
+        }
+    }
+}
+
+fn row(material: &Material) -> [f32; 16] {
+    let mut row = [0.0; 16];
+    row[4..7].copy_from_slice(&material.emission);
+    let mut glossy = |alpha: f32, masking: Masking| {
+        row[10] = alpha;
+        row[11] = if masking == Masking::Separable { 1.0 } else { 0.0 };
+    };
+    let (kind, a, b, c) = match material.bsdf {
+        Bsdf::Diffuse { reflectance } => (KIND_DIFFUSE, reflectance, [0.0; 3], 0.0),
+        Bsdf::Conductor { alpha, masking, fresnel } => {
+            glossy(alpha, masking);
+            let (a, b, c) = match fresnel {
+                scene::ConductorFresnel::Exact { eta, k } => (eta, k, FRESNEL_EXACT),
+                scene::ConductorFresnel::Schlick { f0 } => (f0, [0.0; 3], FRESNEL_SCHLICK),
+                scene::ConductorFresnel::Constant { reflectance } => (reflectance, [0.0; 3], FRESNEL_CONSTANT),
+            };
+            (KIND_CONDUCTOR, a, b, c)
+        }
+        Bsdf::Dielectric { alpha, masking, ior } => {
+            glossy(alpha, masking);
+            (KIND_DIELECTRIC, [1.0; 3], [0.0; 3], ior)
+        }
+    };
+    row[0] = kind;
+    row[1..4].copy_from_slice(&a);
+    row[7..10].copy_from_slice(&b);
+    row[12] = c;
+    row
+}
+
+impl<R: Real> MaterialAt<R> {
+    /// Reflects and emits nothing.
+    #[inline(always)]
+    pub fn black() -> Self {
+        MaterialAt {
+            kind: R::splat(KIND_DIFFUSE),
+            a: Vec3::zero(),
+            b: Vec3::zero(),
+            alpha: R::zero(),
+            separable: R::Mask::splat(false),
+            c: R::zero(),
+            emission: Vec3::zero(),
+        }
+    }
+
+    #[inline(always)]
+    fn is(&self, kind: f32) -> R::Mask {
+        self.kind.eq(R::splat(kind))
+    }
+
+    #[inline(always)]
+    fn diffuse(&self) -> Diffuse<R> {
+        Diffuse { reflectance: self.a }
+    }
+
+    #[inline(always)]
+    fn conductor(&self) -> Conductor<R> {
+        let fresnel = ConductorFresnel {
+            a: self.a,
+            k: self.b,
+            schlick: self.c.eq(R::splat(FRESNEL_SCHLICK)),
+            constant: self.c.eq(R::splat(FRESNEL_CONSTANT)),
+        };
+        Conductor { alpha: self.alpha, separable: self.separable, fresnel }
+    }
+
+    #[inline(always)]
+    fn dielectric(&self) -> Dielectric<R> {
+        Dielectric { alpha: self.alpha, separable: self.separable, ior: self.c }
+    }
+
+    /// f·|cosθi| and pdf, directions in the shading frame.
+    #[inline(always)]
+    pub fn eval<S: ShadingKind>(&self, wo: Vec3<R>, wi: Vec3<R>, active: R::Mask) -> Eval<R> {
+        let mut eval = self.diffuse().eval(wo, wi);
+        if S::SHADING == Shading::General {
+            let conductor = self.is(KIND_CONDUCTOR);
+            if (conductor & active).any() {
+                eval = select_eval(conductor, self.conductor().eval(wo, wi), eval);
+            }
+            let dielectric = self.is(KIND_DIELECTRIC);
+            if (dielectric & active).any() {
+                eval = select_eval(dielectric, self.dielectric().eval(wo, wi), eval);
+            }
+        }
+        eval
+    }
+
+    /// A direction with weight f·|cosθi|/pdf, directions in the shading frame.
+    #[inline(always)]
+    pub fn sample<S: ShadingKind>(&self, wo: Vec3<R>, u_lobe: R, u: [R; 2], active: R::Mask) -> Sample<R> {
+        let mut sample = self.diffuse().sample(wo, u_lobe, u);
+        if S::SHADING == Shading::General {
+            let conductor = self.is(KIND_CONDUCTOR);
+            if (conductor & active).any() {
+                sample = select_sample(conductor, self.conductor().sample(wo, u_lobe, u), sample);
+            }
+            let dielectric = self.is(KIND_DIELECTRIC);
+            if (dielectric & active).any() {
+                sample = select_sample(dielectric, self.dielectric().sample(wo, u_lobe, u), sample);
+            }
+        }
+        sample
+    }
+
+    /// Lanes whose material scatters by a delta alone: light sampling cannot find its directions.
+    #[inline(always)]
+    pub fn is_delta<S: ShadingKind>(&self) -> R::Mask {
+        match S::SHADING {
+            Shading::Lambert => R::Mask::splat(false),
+            Shading::General => {
+                !self.is(KIND_DIFFUSE) & self.alpha.lt(R::splat(crate::bsdf::ALPHA_MIN))
+            }
+        }
+    }
+
+    /// Reflectance as the feature image shows it: ρ of Lambert, F at normal incidence of a conductor, 1 of glass.
+    #[inline(always)]
+    pub fn albedo(&self) -> Vec3<R> {
+        let normal_incidence = self.conductor().fresnel.reflectance(R::one());
+        Vec3::select(self.is(KIND_CONDUCTOR), normal_incidence, self.a)
+    }
+}
+
+#[inline(always)]
+fn select_eval<R: Real>(mask: R::Mask, a: Eval<R>, b: Eval<R>) -> Eval<R> {
+    Eval { value: Vec3::select(mask, a.value, b.value), pdf: R::select(mask, a.pdf, b.pdf) }
+}
+
+#[inline(always)]
+fn select_sample<R: Real>(mask: R::Mask, a: Sample<R>, b: Sample<R>) -> Sample<R> {
+    Sample {
+        wi: Vec3::select(mask, a.wi, b.wi),
+        weight: Vec3::select(mask, a.weight, b.weight),
+        pdf: R::select(mask, a.pdf, b.pdf),
+        eta: R::select(mask, a.eta, b.eta),
+        delta: (mask & a.delta) | (!mask & b.delta),
+        valid: (mask & a.valid) | (!mask & b.valid),
+    }
+}
+
+/// Which models a kernel is compiled with.
+pub trait ShadingKind: 'static {
+    const SHADING: Shading;
+}
+/// Lambert alone.
+pub struct LambertOnly;
+/// All models.
+pub struct AllModels;
+impl ShadingKind for LambertOnly {
+    const SHADING: Shading = Shading::Lambert;
+}
+impl ShadingKind for AllModels {
+    const SHADING: Shading = Shading::General;
+}

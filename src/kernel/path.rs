@@ -1,0 +1,308 @@
+//! The path estimator: emission, next-event estimation and scattering at every vertex, combined by multiple
+//! importance sampling (Veach 1997, chapter 9; power heuristic), with unbiased Russian roulette.
+//!
+//! A worker's paths live in the lanes of one packet. A lane whose path ended takes the next camera sample of the tile
+//! (regeneration), so lanes stay full until the tile runs out. Every random number is a function of (seed, pixel,
+//! sample, dimension), and a path writes to its own slot: which lane it ran in leaves no trace.
+
+use super::material::ShadingKind;
+use super::probe::{Lanes, Probe, Stage};
+use super::surface::Surface;
+use super::tile::{CameraQueue, Counters, Job, SampleBuffer};
+use super::world::World;
+use crate::accel::Mode;
+use crate::geometry::{Hit, MISS, Ray, offset_origin, shadow_ray};
+use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::sampling::dimensions::*;
+use crate::sampling::{Frame, Xoshiro};
+
+/// Roulette begins after this many scattering events.
+const ROULETTE_AFTER: f32 = 5.0;
+/// No path survives roulette more surely than this.
+const MAX_SURVIVAL: f32 = 0.95;
+
+/// How a kernel finds geometry.
+pub trait Traversal: 'static {
+    /// For camera rays, which are coherent.
+    type Camera: Mode;
+    /// For rays after a bounce.
+    type Bounce: Mode;
+    /// For shadow rays.
+    type Shadow: Mode;
+    /// Camera rays are traced together before lanes take them, so that their coherence is not lost to regeneration.
+    const PRETRACED: bool;
+}
+
+/// The paths of one packet.
+pub struct Paths<R: Real> {
+    pub ray: Ray<R>,
+    pub hit: Hit<R>,
+    pub beta: Vec3<R>,
+    pub radiance: Vec3<R>,
+    pub rng: Xoshiro<R>,
+    /// Solid-angle pdf with which the ray was sampled; infinite for camera rays and after a delta.
+    pub bsdf_pdf: R,
+    /// Product of the relative indices of refraction along the path, squared.
+    pub eta_squared: R,
+    pub bounce: R,
+    pub slot: R::Bits,
+    pub alive: R::Mask,
+}
+
+impl<R: Real> Paths<R> {
+    /// All lanes free.
+    fn idle() -> Self {
+        Paths {
+            ray: Ray { origin: Vec3::zero(), direction: Vec3::splat([0.0, 0.0, 1.0]), t_max: R::splat(f32::INFINITY) },
+            hit: Hit::miss(R::splat(f32::INFINITY)),
+            beta: Vec3::zero(),
+            radiance: Vec3::zero(),
+            rng: Xoshiro::default(),
+            bsdf_pdf: R::splat(f32::INFINITY),
+            eta_squared: R::one(),
+            bounce: R::zero(),
+            slot: R::Bits::splat(0),
+            alive: R::Mask::splat(false),
+        }
+    }
+
+    #[inline(always)]
+    fn lanes(&self, active: R::Mask) -> Lanes<R> {
+        Lanes { slot: self.slot, bounce: self.bounce, active }
+    }
+}
+
+/// Renders all samples of a job into `out`.
+pub fn render<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
+    world: &World,
+    job: &Job,
+    out: &mut SampleBuffer,
+    counters: &mut Counters,
+    probe: &mut P,
+) {
+    let mut queue = CameraQueue::<R>::new(world, job);
+    let mut paths = Paths::<R>::idle();
+    loop {
+        if T::PRETRACED {
+            if paths.alive.any() {
+                paths.hit = world.accel.trace::<R, T::Bounce>(&paths.ray, paths.alive);
+            }
+            queue.refill::<T>(&mut paths);
+        } else {
+            queue.refill::<T>(&mut paths);
+            if paths.alive.any() {
+                paths.hit = world.accel.trace::<R, T::Bounce>(&paths.ray, paths.alive);
+            }
+        }
+        if paths.alive.none() {
+            return;
+        }
+        counters.packet(paths.alive, paths.bounce);
+        bounce::<R, T, S, P>(world, &mut paths, out, counters, probe);
+    }
+}
+
+/// One vertex of every path: what it emits, what lights send through it, where it goes next.
+#[inline(always)]
+fn bounce<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
+    world: &World,
+    paths: &mut Paths<R>,
+    out: &mut SampleBuffer,
+    counters: &mut Counters,
+    probe: &mut P,
+) {
+    let alive = paths.alive;
+    let lanes = paths.lanes(alive);
+    tap_hit(probe, lanes, &mut paths.hit);
+    let missed = paths.hit.primitive.eq(R::Bits::splat(MISS)) & alive;
+    let on_surface = alive & !missed;
+    if missed.any() {
+        add_environment(world, paths, missed, probe);
+    }
+    let surface = Surface::at(world, &paths.ray, &paths.hit, on_surface);
+    if out.features.is_some() {
+        write_features(world, paths, &surface, on_surface, out);
+    }
+    if world.plan.area_lights {
+        add_emission(world, paths, &surface, on_surface, probe);
+    }
+    let mut u = paths.rng.bounce_dims();
+    for x in &mut u {
+        *x = probe.tap(Stage::Random, lanes, *x);
+    }
+    let scatters = on_surface & paths.bounce.lt(R::splat(world.max_bounces));
+    let frame = Frame::from_normal(surface.ns);
+    let outward = -paths.ray.direction;
+    let wo = frame.to_local(outward);
+    // A direction counts only where its sides against both normals agree; the viewer's no less than others.
+    let scatters = scatters & same_side(wo.z, surface.ng.dot(outward));
+    if world.lights.is_some() && scatters.any() {
+        add_direct_light::<R, T, S, P>(world, paths, &surface, &frame, wo, &u, scatters, counters, probe);
+    }
+    scatter::<R, S, P>(paths, &surface, &frame, wo, &u, scatters, probe);
+    roulette(paths, u[ROULETTE], probe);
+    let dead = alive & !paths.alive;
+    if dead.any() {
+        paths.radiance = probe.tap_rgb(Stage::Radiance, paths.lanes(dead), paths.radiance);
+        out.write(paths.slot, paths.radiance, dead);
+    }
+    paths.bounce = paths.bounce + R::one();
+}
+
+#[inline(always)]
+pub(super) fn tap_hit<R: Real, P: Probe>(probe: &mut P, lanes: Lanes<R>, hit: &mut Hit<R>) {
+    hit.t = probe.tap(Stage::HitT, lanes, hit.t);
+    hit.primitive = probe.tap(Stage::HitPrimitive, lanes, R::from_bits(hit.primitive)).to_bits();
+    hit.u = probe.tap(Stage::HitU, lanes, hit.u);
+    hit.v = probe.tap(Stage::HitV, lanes, hit.v);
+}
+
+/// Are both on the same, strictly one, side?
+#[inline(always)]
+fn same_side<R: Real>(a: R, b: R) -> R::Mask {
+    (a.gt(R::zero()) & b.gt(R::zero())) | (a.lt(R::zero()) & b.lt(R::zero()))
+}
+
+/// Power heuristic for one sample of each technique, in the form that neither over- nor underflows: pdfs up to 1e30
+/// and infinity (a delta: weight 1) are fine.
+#[inline(always)]
+fn mis_weight<R: Real>(pdf: R, other: R) -> R {
+    let ratio = other / pdf;
+    ratio.mul_add(ratio, R::one()).recip()
+}
+
+/// Radiance of the environment for rays that left the scene.
+#[inline(always)]
+fn add_environment<R: Real, P: Probe>(world: &World, paths: &mut Paths<R>, missed: R::Mask, probe: &mut P) {
+    let Some(lights) = world.lights.as_ref().filter(|_| world.plan.environment) else { return };
+    let (radiance, pdf) = lights.environment(paths.ray.direction, missed);
+    let contribution = paths.beta.hadamard(radiance) * mis_weight(paths.bsdf_pdf, pdf);
+    let contribution = probe.tap_rgb(Stage::Emission, paths.lanes(missed), contribution);
+    paths.radiance = paths.radiance + contribution.masked(missed);
+}
+
+/// Radiance of an emitter that a ray ran into, from its front side.
+#[inline(always)]
+fn add_emission<R: Real, P: Probe>(
+    world: &World,
+    paths: &mut Paths<R>,
+    surface: &Surface<R>,
+    on_surface: R::Mask,
+    probe: &mut P,
+) {
+    let cos_light = -surface.ng.dot(paths.ray.direction);
+    let emitting = on_surface & cos_light.gt(R::zero()) & surface.material.emission.max_component().gt(R::zero());
+    if emitting.none() {
+        return;
+    }
+    let Some(lights) = &world.lights else { return };
+    let mut pdf = surface.light_pdf_area * paths.hit.t * paths.hit.t / cos_light;
+    let on_sphere = emitting & surface.on_sphere;
+    if on_sphere.any() {
+        pdf = R::select(on_sphere, lights.sphere_pdf(paths.hit.primitive, paths.ray.origin, on_sphere), pdf);
+    }
+    let contribution = paths.beta.hadamard(surface.material.emission) * mis_weight(paths.bsdf_pdf, pdf);
+    let contribution = probe.tap_rgb(Stage::Emission, paths.lanes(emitting), contribution);
+    paths.radiance = paths.radiance + contribution.masked(emitting);
+}
+
+/// Next-event estimation: a point on a light or a direction to the environment, its contribution, and the shadow ray
+/// of the lanes for which there is one.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+fn add_direct_light<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
+    world: &World,
+    paths: &mut Paths<R>,
+    surface: &Surface<R>,
+    frame: &Frame<R>,
+    wo: Vec3<R>,
+    u: &[R; BOUNCE_DIMENSIONS],
+    scatters: R::Mask,
+    counters: &mut Counters,
+    probe: &mut P,
+) {
+    let Some(lights) = &world.lights else { return };
+    let lit = scatters & !surface.material.is_delta::<S>();
+    if lit.none() {
+        return;
+    }
+    let light = lights.sample(surface.point, u[LIGHT_CHOICE], [u[LIGHT_U], u[LIGHT_V]], lit);
+    let wi = frame.to_local(light.wi);
+    let pdf = probe.tap(Stage::LightPdf, paths.lanes(lit), light.pdf);
+    let lit = lit & pdf.gt(R::zero()) & same_side(wi.z, surface.ng.dot(light.wi));
+    let eval = surface.material.eval::<S>(wo, wi, lit);
+    let weight = mis_weight(pdf, eval.pdf) / pdf;
+    let contribution = paths.beta.hadamard(eval.value).hadamard(light.radiance) * weight;
+    let contribution = probe.tap_rgb(Stage::LightContribution, paths.lanes(lit), contribution);
+    let carries = lit & contribution.max_component().gt(R::zero());
+    if carries.none() {
+        return;
+    }
+    let origin = offset_origin(surface.point, surface.error, surface.ng, light.wi);
+    let ray = shadow_ray(origin, &light);
+    counters.shadow(carries);
+    let occluded = world.accel.occluded::<R, T::Shadow>(&ray, carries);
+    let occluded = probe.tap_mask(Stage::Shadow, paths.lanes(carries), occluded);
+    paths.radiance = paths.radiance + contribution.masked(carries & !occluded);
+}
+
+/// Samples the material and sends the path on, or ends it.
+#[inline(always)]
+fn scatter<R: Real, S: ShadingKind, P: Probe>(
+    paths: &mut Paths<R>,
+    surface: &Surface<R>,
+    frame: &Frame<R>,
+    wo: Vec3<R>,
+    u: &[R; BOUNCE_DIMENSIONS],
+    scatters: R::Mask,
+    probe: &mut P,
+) {
+    let sample = surface.material.sample::<S>(wo, u[BSDF_LOBE], [u[BSDF_U], u[BSDF_V]], scatters);
+    let direction = frame.to_world(sample.wi);
+    let goes_on = scatters & sample.valid & same_side(sample.wi.z, surface.ng.dot(direction));
+    let lanes = paths.lanes(goes_on);
+    let weight = probe.tap_rgb(Stage::BsdfWeight, lanes, sample.weight);
+    let pdf = probe.tap(Stage::BsdfPdf, lanes, sample.pdf);
+    paths.beta = paths.beta.hadamard(weight);
+    paths.bsdf_pdf = R::select(sample.delta, R::splat(f32::INFINITY), pdf);
+    paths.eta_squared = paths.eta_squared * sample.eta * sample.eta;
+    paths.alive = goes_on & paths.beta.max_component().gt(R::zero());
+    paths.ray = Ray {
+        origin: offset_origin(surface.point, surface.error, surface.ng, direction),
+        direction,
+        t_max: R::splat(f32::INFINITY),
+    };
+}
+
+/// Russian roulette (Arvo & Kirk 1990): from the fifth scattering event on a path survives with probability
+/// min(max β·η², 0.95) and carries 1/probability.
+#[inline(always)]
+fn roulette<R: Real, P: Probe>(paths: &mut Paths<R>, u: R, probe: &mut P) {
+    let events = paths.bounce + R::one();
+    let plays = paths.alive & events.ge(R::splat(ROULETTE_AFTER));
+    if plays.none() {
+        return;
+    }
+    let survival = (paths.beta.max_component() * paths.eta_squared).min_or(R::splat(MAX_SURVIVAL));
+    let survival = probe.tap(Stage::Roulette, paths.lanes(plays), survival);
+    let survives = u.lt(survival);
+    paths.alive = paths.alive & (survives | !plays);
+    paths.beta = paths.beta * R::select(plays & survives, survival.recip(), R::one());
+}
+
+/// Albedo, shading normal towards the viewer and distance of the first hit.
+#[inline(never)]
+fn write_features<R: Real>(
+    world: &World,
+    paths: &Paths<R>,
+    surface: &Surface<R>,
+    on_surface: R::Mask,
+    out: &mut SampleBuffer,
+) {
+    let first = on_surface & paths.bounce.eq(R::zero());
+    if first.any() {
+        let normal = super::view::towards_viewer(surface.ns, paths.ray.direction);
+        let distance = paths.hit.t * R::splat(world.unit);
+        out.write_features(paths.slot, surface.material.albedo(), normal, distance, first);
+    }
+}

@@ -1,0 +1,143 @@
+//! Probes: watching, and for `check` disturbing, the values a kernel computes.
+//!
+//! The kernel passes the values worth comparing through [`Probe::tap`]. [`NoProbe`] is the identity and leaves no
+//! code; [`Recorder`] keeps every value with its sample, bounce, stage and lane, and can flip one bit of a stage to
+//! prove that `check` would notice.
+
+use crate::lane::{Bits, Mask, Real, Vec3};
+
+/// What a tapped value is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stage {
+    Random,
+    HitT,
+    HitPrimitive,
+    HitU,
+    HitV,
+    Emission,
+    LightPdf,
+    LightContribution,
+    Shadow,
+    BsdfPdf,
+    BsdfWeight,
+    Roulette,
+    Radiance,
+}
+
+impl Stage {
+    pub const ALL: [Stage; 13] = [
+        Stage::Random,
+        Stage::HitT,
+        Stage::HitPrimitive,
+        Stage::HitU,
+        Stage::HitV,
+        Stage::Emission,
+        Stage::LightPdf,
+        Stage::LightContribution,
+        Stage::Shadow,
+        Stage::BsdfPdf,
+        Stage::BsdfWeight,
+        Stage::Roulette,
+        Stage::Radiance,
+    ];
+
+    /// The name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Random => "random",
+            Stage::HitT => "hit-t",
+            Stage::HitPrimitive => "hit-primitive",
+            Stage::HitU => "hit-u",
+            Stage::HitV => "hit-v",
+            Stage::Emission => "emission",
+            Stage::LightPdf => "light-pdf",
+            Stage::LightContribution => "light-contribution",
+            Stage::Shadow => "shadow",
+            Stage::BsdfPdf => "bsdf-pdf",
+            Stage::BsdfWeight => "bsdf-weight",
+            Stage::Roulette => "roulette",
+            Stage::Radiance => "radiance",
+        }
+    }
+}
+
+/// Which sample of the tile each lane works on, and at which bounce.
+#[derive(Clone, Copy)]
+pub struct Lanes<R: Real> {
+    pub slot: R::Bits,
+    pub bounce: R,
+    pub active: R::Mask,
+}
+
+/// Sees values on their way through the kernel.
+pub trait Probe {
+    /// Returns the value to go on with.
+    fn tap<R: Real>(&mut self, stage: Stage, lanes: Lanes<R>, value: R) -> R;
+
+    #[inline(always)]
+    fn tap_rgb<R: Real>(&mut self, stage: Stage, lanes: Lanes<R>, v: Vec3<R>) -> Vec3<R> {
+        Vec3::new(self.tap(stage, lanes, v.x), self.tap(stage, lanes, v.y), self.tap(stage, lanes, v.z))
+    }
+    #[inline(always)]
+    fn tap_mask<R: Real>(&mut self, stage: Stage, lanes: Lanes<R>, mask: R::Mask) -> R::Mask {
+        self.tap(stage, lanes, R::one().masked(mask)).gt(R::zero())
+    }
+}
+
+/// Sees nothing and costs nothing.
+pub struct NoProbe;
+
+impl Probe for NoProbe {
+    #[inline(always)]
+    fn tap<R: Real>(&mut self, _: Stage, _: Lanes<R>, value: R) -> R {
+        value
+    }
+    #[inline(always)]
+    fn tap_mask<R: Real>(&mut self, _: Stage, _: Lanes<R>, mask: R::Mask) -> R::Mask {
+        mask
+    }
+}
+
+/// One value of one sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Record {
+    pub bounce: u32,
+    pub stage: Stage,
+    pub lane: u32,
+    pub bits: u32,
+}
+
+/// Keeps what passes, per sample slot and in the order of the path.
+#[derive(Default)]
+pub struct Recorder {
+    /// Indexed by slot.
+    pub records: Vec<Vec<Record>>,
+    /// Flips the lowest bit of this stage's values, at bounce 0 of every sample whose slot is divisible by 7.
+    pub fault: Option<Stage>,
+}
+
+impl Recorder {
+    /// A recorder for slots `0..slots`.
+    pub fn new(slots: usize, fault: Option<Stage>) -> Self {
+        Self { records: vec![Vec::new(); slots], fault }
+    }
+}
+
+impl Probe for Recorder {
+    fn tap<R: Real>(&mut self, stage: Stage, lanes: Lanes<R>, mut value: R) -> R {
+        let active = lanes.active.bits();
+        for lane in (0..R::WIDTH).filter(|lane| active >> lane & 1 != 0) {
+            let slot = lanes.slot.lane(lane);
+            let bounce = lanes.bounce.lane(lane) as u32;
+            let mut bits = value.lane(lane).to_bits();
+            if self.fault == Some(stage) && bounce == 0 && slot.is_multiple_of(7) {
+                // A truth value needs more than its last bit changed.
+                bits = if stage == Stage::Shadow { bits ^ 1f32.to_bits() } else { bits ^ 1 };
+                value.set_lane(lane, f32::from_bits(bits));
+            }
+            self.records[slot as usize].push(Record { bounce, stage, lane: lane as u32, bits });
+        }
+        value
+    }
+}

@@ -1,0 +1,85 @@
+//! From a hit to a surface: point, normals, material, of all lanes at once.
+
+use super::material::MaterialAt;
+use super::world::World;
+use crate::geometry::{Hit, Ray};
+use crate::lane::{Bits, Mask, Real, Vec3};
+
+/// Where a packet's rays met the scene.
+pub struct Surface<R: Real> {
+    pub point: Vec3<R>,
+    /// Bound on the error of `point`, per axis.
+    pub error: Vec3<R>,
+    /// Unit geometric normal: front of triangles (counter-clockwise), outside of spheres.
+    pub ng: Vec3<R>,
+    /// Unit shading normal.
+    pub ns: Vec3<R>,
+    pub material: MaterialAt<R>,
+    /// Lanes that hit a sphere.
+    pub on_sphere: R::Mask,
+    /// Probability of choosing this triangle as a light, over its area; 0 where it does not emit.
+    pub light_pdf_area: R,
+}
+
+impl<R: Real> Surface<R> {
+    /// Reads the rows of the lanes in `active`, all of which have a hit.
+    #[inline(always)]
+    pub fn at(world: &World, ray: &Ray<R>, hit: &Hit<R>, active: R::Mask) -> Self {
+        let mut on_sphere = R::Mask::splat(false);
+        if world.plan.spheres {
+            let mut bits = 0;
+            for lane in 0..R::WIDTH {
+                bits |= u32::from(hit.primitive.lane(lane) >= world.triangle_count) << lane;
+            }
+            on_sphere = R::Mask::from_bits(bits) & active;
+        }
+        let on_triangle = active & !on_sphere;
+        let triangle = world.triangles.fetch::<R>(hit.primitive, on_triangle);
+        let (point, error) = triangle.point(hit.u, hit.v);
+        let [mut material, light_pdf_area] = world.triangle_tags.fetch::<R>(hit.primitive, on_triangle);
+        let mut surface = Surface {
+            point,
+            error,
+            ng: triangle.ng,
+            ns: triangle.ng,
+            material: MaterialAt::black(),
+            on_sphere,
+            light_pdf_area,
+        };
+        if world.plan.shading_normals {
+            surface.interpolate_normal(world, hit, on_triangle);
+        }
+        if on_sphere.any() {
+            let index = hit.primitive - R::Bits::splat(world.triangle_count);
+            let [x, y, z, radius, sphere_material] = world.spheres.fetch::<R>(index, on_sphere);
+            surface.place_on_sphere(ray, hit, Vec3::new(x, y, z), radius);
+            material = R::select(on_sphere, sphere_material, material);
+        }
+        if world.plan.light_transport {
+            surface.material = world.materials.fetch::<R>(material.to_int(), active);
+        }
+        surface
+    }
+
+    /// Barycentric interpolation of the vertex normals, renormalised.
+    #[inline(always)]
+    fn interpolate_normal(&mut self, world: &World, hit: &Hit<R>, on_triangle: R::Mask) {
+        let [ax, ay, az, bx, by, bz, cx, cy, cz] = world.normals.fetch::<R>(hit.primitive, on_triangle);
+        let w = R::one() - hit.u - hit.v;
+        let sum = Vec3::new(cx, cy, cz).mul_add(hit.v, Vec3::new(bx, by, bz).mul_add(hit.u, Vec3::new(ax, ay, az) * w));
+        // Opposite vertex normals may cancel: the geometric normal then serves.
+        let length_squared = sum.length_squared();
+        let usable = length_squared.gt(R::splat(1e-12));
+        let unit = sum * R::select(usable, length_squared, R::one()).sqrt().recip();
+        self.ns = Vec3::select(usable & on_triangle, unit, self.ng);
+    }
+
+    #[inline(always)]
+    fn place_on_sphere(&mut self, ray: &Ray<R>, hit: &Hit<R>, center: Vec3<R>, radius: R) {
+        let (point, error, normal) = crate::geometry::sphere_point(ray, hit.t, center, radius);
+        self.point = Vec3::select(self.on_sphere, point, self.point);
+        self.error = Vec3::select(self.on_sphere, error, self.error);
+        self.ng = Vec3::select(self.on_sphere, normal, self.ng);
+        self.ns = Vec3::select(self.on_sphere, normal, self.ns);
+    }
+}

@@ -1,0 +1,227 @@
+//! A worker's job: a tile, a range of samples, the queue of camera rays that feeds its lanes, and where results go.
+
+use super::path::{Paths, Traversal};
+use super::world::World;
+use crate::geometry::{Hit, Ray};
+use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::accel::Mode;
+use crate::sampling::dimensions::{FILM_X, FILM_Y};
+use crate::sampling::{Xoshiro, sample_key};
+
+/// Pixels and samples to render together.
+#[derive(Clone, Copy, Debug)]
+pub struct Job {
+    /// Left column and top row.
+    pub x: u32,
+    pub y: u32,
+    pub width: u32,
+    pub height: u32,
+    pub first_sample: u32,
+    /// Samples a pixel in this job.
+    pub samples: u32,
+}
+
+impl Job {
+    /// Number of (pixel, sample) slots. Slot = pixel in the tile, row by row, times samples, plus sample.
+    pub fn slots(&self) -> usize {
+        (self.width * self.height * self.samples) as usize
+    }
+}
+
+/// What each sample of a job found, one slot a sample.
+#[derive(Default)]
+pub struct SampleBuffer {
+    /// Red, green and blue planes.
+    pub rgb: [Vec<f32>; 3],
+    /// Albedo, normal, distance: seven planes, where they are asked for.
+    pub features: Option<[Vec<f32>; 7]>,
+}
+
+impl SampleBuffer {
+    /// Makes room for a job; every slot reads 0.
+    pub fn reset(&mut self, slots: usize, features: bool) {
+        let clear = |plane: &mut Vec<f32>| {
+            plane.clear();
+            plane.resize(slots, 0.0);
+        };
+        self.rgb.iter_mut().for_each(clear);
+        if features {
+            self.features.get_or_insert_default().iter_mut().for_each(clear);
+        }
+    }
+
+    #[inline(always)]
+    pub fn write<R: Real>(&mut self, slot: R::Bits, rgb: Vec3<R>, mask: R::Mask) {
+        for lane in lanes_of(mask.bits()) {
+            let slot = slot.lane(lane) as usize;
+            self.rgb[0][slot] = rgb.x.lane(lane);
+            self.rgb[1][slot] = rgb.y.lane(lane);
+            self.rgb[2][slot] = rgb.z.lane(lane);
+        }
+    }
+
+    pub fn write_features<R: Real>(&mut self, slot: R::Bits, albedo: Vec3<R>, n: Vec3<R>, z: R, mask: R::Mask) {
+        let Some(planes) = &mut self.features else { return };
+        for lane in lanes_of(mask.bits()) {
+            let slot = slot.lane(lane) as usize;
+            let values = [albedo.x, albedo.y, albedo.z, n.x, n.y, n.z, z];
+            for (plane, value) in planes.iter_mut().zip(values) {
+                plane[slot] = value.lane(lane);
+            }
+        }
+    }
+}
+
+/// The set bits, lowest first.
+#[inline(always)]
+pub fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        (bits != 0).then(|| {
+            let lane = bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            lane
+        })
+    })
+}
+
+/// Rays traced and lanes used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Counters {
+    pub camera_rays: u64,
+    pub bounce_rays: u64,
+    pub shadow_rays: u64,
+    /// Packets shaded, and lanes alive in them.
+    pub packets: u64,
+    pub active_lanes: u64,
+}
+
+impl Counters {
+    #[inline(always)]
+    pub fn packet<M: Mask, R: Real<Mask = M>>(&mut self, alive: M, bounce: R) {
+        let camera = (alive & bounce.eq(R::zero())).bits().count_ones() as u64;
+        let all = alive.bits().count_ones() as u64;
+        self.camera_rays += camera;
+        self.bounce_rays += all - camera;
+        self.packets += 1;
+        self.active_lanes += all;
+    }
+    #[inline(always)]
+    pub fn shadow<M: Mask>(&mut self, mask: M) {
+        self.shadow_rays += mask.bits().count_ones() as u64;
+    }
+    pub fn add(&mut self, other: &Counters) {
+        self.camera_rays += other.camera_rays;
+        self.bounce_rays += other.bounce_rays;
+        self.shadow_rays += other.shadow_rays;
+        self.packets += other.packets;
+        self.active_lanes += other.active_lanes;
+    }
+    pub fn rays(&self) -> u64 {
+        self.camera_rays + self.bounce_rays + self.shadow_rays
+    }
+}
+
+/// Camera samples of a job, made a packet at a time.
+pub struct CameraQueue<'a, R: Real> {
+    world: &'a World,
+    job: &'a Job,
+    /// The next sample to make: pixel within the tile, sample within the job.
+    pixel: u32,
+    sample: u32,
+    ready: Option<CameraPacket<R>>,
+    /// Lanes of `ready` not yet taken.
+    left: u32,
+}
+
+/// Camera samples, with their hits where they are traced together.
+pub struct CameraPacket<R: Real> {
+    pub ray: Ray<R>,
+    /// A miss where the queue was not asked to trace.
+    pub hit: Hit<R>,
+    pub rng: Xoshiro<R>,
+    pub slot: R::Bits,
+    pub active: R::Mask,
+}
+
+impl<'a, R: Real> CameraQueue<'a, R> {
+    pub fn new(world: &'a World, job: &'a Job) -> Self {
+        CameraQueue { world, job, pixel: 0, sample: 0, ready: None, left: 0 }
+    }
+
+    /// Gives every free lane the next camera sample, as long as there are any.
+    #[inline(always)]
+    pub fn refill<T: Traversal>(&mut self, paths: &mut Paths<R>) {
+        if paths.alive.all() {
+            return;
+        }
+        let mut alive = paths.alive.bits();
+        let free = !alive & (u32::MAX >> (32 - R::WIDTH as u32));
+        for lane in lanes_of(free) {
+            if self.left == 0 {
+                self.ready = self.next_packet::<T::Camera>(T::PRETRACED);
+                self.left = self.ready.as_ref().map_or(0, |packet| packet.active.bits());
+            }
+            let Some(packet) = &self.ready else { break };
+            let from = self.left.trailing_zeros() as usize;
+            self.left &= self.left - 1;
+            packet.give(from, paths, lane);
+            alive |= 1 << lane;
+        }
+        paths.alive = R::Mask::from_bits(alive);
+    }
+
+    /// The next packet of camera samples: the samples of a pixel side by side, so that rays are coherent. `None` where
+    /// the job has no more.
+    #[inline(never)]
+    pub fn next_packet<M: Mode>(&mut self, trace: bool) -> Option<CameraPacket<R>> {
+        let (mut x, mut y) = (R::zero(), R::zero());
+        let mut rng = Xoshiro::<R>::default();
+        let mut slot = R::Bits::splat(0);
+        let mut made = 0;
+        let job = self.job;
+        while made < R::WIDTH && self.pixel < job.width * job.height {
+            let (px, py) = (job.x + self.pixel % job.width, job.y + self.pixel / job.width);
+            let pixel = py * self.world.film.width + px;
+            rng.seed_lane(made, sample_key(self.world.seed, pixel, job.first_sample + self.sample));
+            x.set_lane(made, px as f32);
+            y.set_lane(made, py as f32);
+            slot.set_lane(made, self.pixel * job.samples + self.sample);
+            made += 1;
+            self.sample += 1;
+            if self.sample == job.samples {
+                (self.sample, self.pixel) = (0, self.pixel + 1);
+            }
+        }
+        let active = R::Mask::from_bits(((1u64 << made) - 1) as u32);
+        if made == 0 {
+            return None;
+        }
+        let u = rng.camera_dims();
+        let ray = self.world.camera.ray(x + u[FILM_X], y + u[FILM_Y]);
+        let hit = if trace { self.world.accel.trace::<R, M>(&ray, active) } else { Hit::miss(ray.t_max) };
+        Some(CameraPacket { ray, hit, rng, slot, active })
+    }
+}
+
+impl<R: Real> CameraPacket<R> {
+    /// Starts the path of lane `from` in lane `to`.
+    #[inline(always)]
+    fn give(&self, from: usize, paths: &mut Paths<R>, to: usize) {
+        paths.ray.origin.set_lane(to, self.ray.origin.lane(from));
+        paths.ray.direction.set_lane(to, self.ray.direction.lane(from));
+        paths.ray.t_max.set_lane(to, self.ray.t_max.lane(from));
+        paths.hit.t.set_lane(to, self.hit.t.lane(from));
+        paths.hit.u.set_lane(to, self.hit.u.lane(from));
+        paths.hit.v.set_lane(to, self.hit.v.lane(from));
+        paths.hit.primitive.set_lane(to, self.hit.primitive.lane(from));
+        for (state, ready) in paths.rng.s.iter_mut().zip(self.rng.s) {
+            state.set_lane(to, ready.lane(from));
+        }
+        paths.beta.set_lane(to, [1.0; 3]);
+        paths.radiance.set_lane(to, [0.0; 3]);
+        paths.bsdf_pdf.set_lane(to, f32::INFINITY);
+        paths.eta_squared.set_lane(to, 1.0);
+        paths.bounce.set_lane(to, 0.0);
+        paths.slot.set_lane(to, self.slot.lane(from));
+    }
+}

@@ -1,0 +1,49 @@
+//! The views: normals, distance, and whether anything was hit. No light transport.
+
+use super::path::Traversal;
+use super::probe::{Lanes, Probe, Stage};
+use super::surface::Surface;
+use super::tile::{CameraQueue, Counters, Job, SampleBuffer};
+use super::world::World;
+use crate::geometry::MISS;
+use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::scene::IntegratorKind;
+
+/// The normal on the viewer's side.
+#[inline(always)]
+pub fn towards_viewer<R: Real>(n: Vec3<R>, direction: Vec3<R>) -> Vec3<R> {
+    Vec3::select(n.dot(direction).gt(R::zero()), -n, n)
+}
+
+/// Renders all samples of a job: camera rays only. A miss reads 0 in every view.
+pub fn render<R: Real, T: Traversal, P: Probe>(
+    world: &World,
+    job: &Job,
+    out: &mut SampleBuffer,
+    counters: &mut Counters,
+    probe: &mut P,
+) {
+    let mut queue = CameraQueue::<R>::new(world, job);
+    while let Some(mut packet) = queue.next_packet::<T::Camera>(true) {
+        counters.packet(packet.active, R::zero());
+        let lanes = Lanes { slot: packet.slot, bounce: R::zero(), active: packet.active };
+        super::path::tap_hit(probe, lanes, &mut packet.hit);
+        let found = packet.active & !packet.hit.primitive.eq(R::Bits::splat(MISS));
+        let surface = Surface::at(world, &packet.ray, &packet.hit, found);
+        let normal = towards_viewer(surface.ns, packet.ray.direction);
+        let distance = packet.hit.t * R::splat(world.unit);
+        let value = match world.integrator.kind {
+            IntegratorKind::Normals => normal,
+            IntegratorKind::Depth => {
+                let depth = distance.neg_mul_add(R::splat(world.integrator.max_depth.recip()), R::one());
+                Vec3::all(depth.max_or(R::zero()))
+            }
+            _ => Vec3::all(R::one()),
+        };
+        let value = probe.tap_rgb(Stage::Radiance, lanes, value.masked(found));
+        out.write(packet.slot, value, packet.active);
+        if found.any() && out.features.is_some() {
+            out.write_features(packet.slot, surface.material.albedo(), normal, distance, found);
+        }
+    }
+}

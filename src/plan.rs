@@ -1,0 +1,126 @@
+//! The plan: what this scene needs, decided once, before anything is built.
+//!
+//! A stage that a scene does not need is not there: its data is not built, its code not entered (invariant 3). The
+//! plan is a pure function of the scene and the options; thresholds are compiled constants found by measuring
+//! (`benches/README.md`). A kernel specialised to a scene gives the general kernel's bits on it.
+
+use crate::scene::{Bsdf, Environment, IntegratorKind, NO_NORMAL, Scene};
+use std::collections::BTreeSet;
+
+/// Up to this many primitives a ray is tested against all of them and no tree is built.
+pub const BRUTE_FORCE_LIMIT: usize = 64;
+
+/// How rays find geometry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum GeometryMode {
+    /// Every primitive in turn; no tree exists.
+    Brute,
+    /// An 8-wide tree: camera rays as packets, rays after a bounce one by one against eight children.
+    Tree,
+}
+
+/// Which scattering models the kernel holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Shading {
+    /// Lambert alone: no microfacet, Fresnel or delta code.
+    Lambert,
+    /// All models.
+    General,
+}
+
+/// One thing the plan decided, for `--explain`.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Decision {
+    pub what: &'static str,
+    pub kept: bool,
+    pub why: String,
+}
+
+/// What is forced instead of decided: for `check`, ablations and tests.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Force {
+    /// Keep every stage: the general kernel.
+    pub general: bool,
+    pub geometry: Option<GeometryMode>,
+}
+
+/// What the kernel and the prepared data hold for a scene.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Plan {
+    pub geometry: GeometryMode,
+    pub shading: Shading,
+    pub spheres: bool,
+    pub shading_normals: bool,
+    pub environment: bool,
+    pub area_lights: bool,
+    /// Materials, emission and lights: absent in the views `normals`, `depth` and `hit`.
+    pub light_transport: bool,
+    pub decisions: Vec<Decision>,
+}
+
+impl IntegratorKind {
+    /// Does it estimate radiance (rather than show geometry)?
+    pub fn transports_light(self) -> bool {
+        matches!(self, IntegratorKind::Path | IntegratorKind::Direct)
+    }
+}
+
+impl Plan {
+    /// Decides for a scene. `albedo` says whether first-hit features are written too.
+    pub fn new(scene: &Scene, force: Force, albedo: bool) -> Self {
+        let light_transport = scene.integrator.kind.transports_light() || albedo || force.general;
+        let primitives = scene.mesh.triangles.len() + scene.spheres.len();
+        let mut decisions = Vec::new();
+        let mut decide = |what, kept: bool, why: String| {
+            decisions.push(Decision { what, kept, why });
+            kept
+        };
+
+        let small = primitives <= BRUTE_FORCE_LIMIT;
+        let geometry =
+            force
+                .geometry
+                .unwrap_or(if small && !force.general { GeometryMode::Brute } else { GeometryMode::Tree });
+        let order = if small { "at most" } else { "more than" };
+        decide("tree", geometry == GeometryMode::Tree, format!("{primitives} primitives, {order} {BRUTE_FORCE_LIMIT}"));
+
+        let used = used_materials(scene);
+        let not_lambert = used.iter().filter(|&&m| !matches!(scene.materials[m].bsdf, Bsdf::Diffuse { .. })).count();
+        let general = light_transport && (not_lambert > 0 || force.general);
+        decide("conductor and dielectric", general, format!("{not_lambert} of {} used materials scatter so", used.len()));
+
+        let sphere_count = scene.spheres.len();
+        let spheres = decide("spheres", sphere_count > 0, format!("{sphere_count} spheres"));
+        let smooth = scene.mesh.normal_indices.iter().filter(|n| n[0] != NO_NORMAL).count();
+        let shading_normals =
+            decide("shading normals", smooth > 0, format!("{smooth} of {} triangles are smooth", scene.mesh.triangles.len()));
+        let (lit, why) = match &scene.environment {
+            None => (false, "none in the scene".to_string()),
+            Some(Environment::Constant(c)) => (c.iter().any(|&x| x > 0.0), format!("constant {c:?}")),
+            Some(Environment::Image(i)) => (true, format!("{}×{} image", i.width, i.height)),
+        };
+        let environment = decide("environment", lit && light_transport, why);
+        let emitters = used.iter().filter(|&&m| scene.materials[m].emission.iter().any(|&e| e > 0.0)).count();
+        let area_lights = decide("area lights", emitters > 0 && light_transport, format!("{emitters} used materials emit"));
+        decide("light transport", light_transport, format!("integrator {:?}", scene.integrator.kind).to_lowercase());
+
+        let shading = if general { Shading::General } else { Shading::Lambert };
+        Plan { geometry, shading, spheres, shading_normals, environment, area_lights, light_transport, decisions }
+    }
+
+    /// The plan as a person reads it, one line a decision.
+    pub fn explain(&self) -> String {
+        let lines = self.decisions.iter().map(|d| {
+            format!("  {:8} {:26} {}\n", if d.kept { "kept" } else { "left out" }, d.what, d.why)
+        });
+        format!("plan: geometry {:?}, shading {:?}\n{}", self.geometry, self.shading, lines.collect::<String>())
+    }
+}
+
+/// Materials that some primitive refers to.
+fn used_materials(scene: &Scene) -> BTreeSet<usize> {
+    let of_triangles = scene.mesh.material.iter().map(|&m| m as usize);
+    of_triangles.chain(scene.spheres.iter().map(|s| s.material as usize)).collect()
+}
