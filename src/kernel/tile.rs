@@ -2,6 +2,7 @@
 
 use super::path::{Paths, Traversal};
 use super::world::World;
+use crate::film::AovSample;
 use crate::geometry::{Hit, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::accel::Mode;
@@ -31,43 +32,32 @@ impl Job {
 /// What each sample of a job found, one slot a sample.
 #[derive(Default)]
 pub struct SampleBuffer {
-    /// Red, green and blue planes.
-    pub rgb: [Vec<f32>; 3],
-    /// Albedo, normal, distance: seven planes, where they are asked for.
-    pub features: Option<[Vec<f32>; 7]>,
+    /// Radiance.
+    pub rgb: Vec<[f32; 3]>,
+    /// First hits, where they are asked for.
+    pub features: Option<Vec<AovSample>>,
 }
 
 impl SampleBuffer {
     /// Makes room for a job; every slot reads 0.
     pub fn reset(&mut self, slots: usize, features: bool) {
-        let clear = |plane: &mut Vec<f32>| {
-            plane.clear();
-            plane.resize(slots, 0.0);
-        };
-        self.rgb.iter_mut().for_each(clear);
-        if features {
-            self.features.get_or_insert_default().iter_mut().for_each(clear);
-        }
+        self.rgb.clear();
+        self.rgb.resize(slots, [0.0; 3]);
+        self.features = features.then(|| vec![AovSample::default(); slots]);
     }
 
     #[inline(always)]
     pub fn write<R: Real>(&mut self, slot: R::Bits, rgb: Vec3<R>, mask: R::Mask) {
         for lane in lanes_of(mask.bits()) {
-            let slot = slot.lane(lane) as usize;
-            self.rgb[0][slot] = rgb.x.lane(lane);
-            self.rgb[1][slot] = rgb.y.lane(lane);
-            self.rgb[2][slot] = rgb.z.lane(lane);
+            self.rgb[slot.lane(lane) as usize] = rgb.lane(lane);
         }
     }
 
     pub fn write_features<R: Real>(&mut self, slot: R::Bits, albedo: Vec3<R>, n: Vec3<R>, z: R, mask: R::Mask) {
-        let Some(planes) = &mut self.features else { return };
+        let Some(features) = &mut self.features else { return };
         for lane in lanes_of(mask.bits()) {
-            let slot = slot.lane(lane) as usize;
-            let values = [albedo.x, albedo.y, albedo.z, n.x, n.y, n.z, z];
-            for (plane, value) in planes.iter_mut().zip(values) {
-                plane[slot] = value.lane(lane);
-            }
+            features[slot.lane(lane) as usize] =
+                AovSample { albedo: albedo.lane(lane), normal: n.lane(lane), depth: z.lane(lane) };
         }
     }
 }

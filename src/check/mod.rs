@@ -1,0 +1,12 @@
+//! The proof, on a user's own scene and machine, that nothing but the scene, the seed and the sample count decides an
+//! image's bits.
+//!
+//! Two comparisons, both against width 1 on one thread with the general kernel: whole images over combinations of
+//! width, threads, tile and plan ([`images`]); and every tapped value of every path ([`stages`]), which names the first
+//! that differs.
+
+mod images;
+mod stages;
+
+pub use images::{ImageCase, compare_images};
+pub use stages::{Difference, StageReport, compare_stages, record_tile};

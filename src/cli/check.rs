@@ -1,0 +1,108 @@
+//! `octolux check`: prints what was compared and, where something differs, how to replay it.
+
+use super::CliError;
+use super::scene_args::SceneArgs;
+use crate::check::{Difference, ImageCase, StageReport, compare_images, compare_stages};
+use crate::kernel::{Stage, Width, World};
+use crate::plan::{BRUTE_FORCE_LIMIT, Force, GeometryMode};
+
+/// Past this many primitives the tree is not compared with brute force: it would take too long.
+const BRUTE_FORCE_CHECK_LIMIT: usize = 20_000;
+
+#[derive(clap::Args)]
+pub struct CheckArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Samples a pixel
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    spp: u32,
+    /// Flip a bit of this stage's values, to see that it is found
+    #[arg(long, value_name = "STAGE", value_parser = parse_stage)]
+    inject_fault: Option<Stage>,
+    /// Write the result as JSON to standard output
+    #[arg(long)]
+    json: bool,
+}
+
+fn parse_stage(text: &str) -> Result<Stage, String> {
+    let names: Vec<_> = Stage::ALL.iter().map(|s| s.name()).collect();
+    Stage::ALL.into_iter().find(|s| s.name() == text).ok_or_else(|| format!("one of {}", names.join(", ")))
+}
+
+/// Everything `check` found.
+#[derive(serde::Serialize)]
+struct Report {
+    scene: String,
+    samples_per_pixel: u32,
+    images: Vec<ImageCase>,
+    stages: Vec<(String, StageReport)>,
+    equal: bool,
+}
+
+pub fn run(args: &CheckArgs) -> Result<bool, CliError> {
+    let scene = args.scene.load()?;
+    let primitives = scene.mesh.triangles.len() + scene.spheres.len();
+    let world = |force: Force| args.scene.prepare(&scene, force, false);
+    let geometry = |mode| Force { general: true, geometry: Some(mode) };
+    let general = world(geometry(GeometryMode::Tree));
+    let planned = world(Force::default());
+    let mut worlds: Vec<(&str, &World)> = vec![("general", &general), ("specialised", &planned)];
+    let brute = (primitives <= BRUTE_FORCE_CHECK_LIMIT).then(|| world(geometry(GeometryMode::Brute)));
+    if let Some(brute) = &brute {
+        worlds.push(("brute force", brute));
+    }
+    let mut stages = Vec::new();
+    let all = Width::ALL;
+    stages.push(("tree, widths".into(), compare_stages(&general, &general, &all, args.spp, args.inject_fault)));
+    if let Some(brute) = brute.as_ref().filter(|_| primitives <= BRUTE_FORCE_LIMIT || args.inject_fault.is_none()) {
+        let widths = [Width::Sixteen];
+        stages.push(("brute force against tree".into(), compare_stages(&general, brute, &widths, args.spp, None)));
+    }
+    let images = match args.inject_fault {
+        // A fault lives in the recording kernels; images would not show it.
+        Some(_) => Vec::new(),
+        None => compare_images(&worlds, args.spp as u64, &all)?,
+    };
+    let equal = stages.iter().all(|(_, s)| s.first.is_none()) && images.iter().all(|c| c.difference.is_none());
+    let report = Report { scene: scene.name.clone(), samples_per_pixel: args.spp, images, stages, equal };
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&report).map_err(|e| CliError::Usage(e.to_string()))?);
+    } else {
+        print_report(&report, args);
+    }
+    Ok(equal)
+}
+
+fn print_report(report: &Report, args: &CheckArgs) {
+    for (name, stages) in &report.stages {
+        println!("{name}: {} values of {} samples, {} samples differ", stages.values, stages.samples, stages.differing_samples);
+        if let Some(difference) = &stages.first {
+            print_difference(difference, report, args);
+        }
+    }
+    for case in &report.images {
+        let verdict = match &case.difference {
+            None => "equal".to_string(),
+            Some(d) => format!(
+                "DIFFERS first at pixel {},{} channel {}: {:016x}, expected {:016x}",
+                d.x, d.y, d.channel, d.found_bits, d.expected_bits
+            ),
+        };
+        println!("image, {} kernel: {} lanes, {} threads, tile {}: {verdict}", case.world, case.lanes, case.threads, case.tile);
+    }
+    println!("{}", if report.equal { "all bits equal" } else { "bits differ" });
+}
+
+fn print_difference(d: &Difference, report: &Report, args: &CheckArgs) {
+    let value = |bits: u32| format!("{bits:08x} ({})", f32::from_bits(bits));
+    let found = d.found_bits.map_or("nothing: the path had ended".to_string(), value);
+    println!(
+        "  first: pixel {},{} sample {} bounce {} stage {} lane {} of {}: {found}, expected {}",
+        d.x, d.y, d.sample, d.bounce, d.stage.name(), d.lane, d.lanes, value(d.expected_bits)
+    );
+    let size = args.scene.size.map_or(String::new(), |s| format!(" --size {}x{}", s.width, s.height));
+    println!(
+        "  replay: octolux replay {} --pixel {},{} --sample {} --seed {}{size}",
+        report.scene, d.x, d.y, d.sample, args.scene.seed
+    );
+}

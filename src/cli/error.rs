@@ -1,0 +1,23 @@
+//! Everything that ends a command: one line, exit code 2.
+
+use crate::film::FilmError;
+use crate::scene::SceneError;
+use std::path::PathBuf;
+
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    Film(#[from] FilmError),
+    #[error(transparent)]
+    Compare(#[from] crate::report::CompareError),
+    #[error(transparent)]
+    BenchRays(#[from] crate::accel::bench_rays::BenchRaysError),
+    #[error("{path}: cannot write: {source}; choose another path", path = .path.display())]
+    Write { path: PathBuf, source: std::io::Error },
+    #[error("no worker threads: {0}; ask for fewer with --threads")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    #[error("{0}")]
+    Usage(String),
+}

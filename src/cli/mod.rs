@@ -1,0 +1,78 @@
+//! The command line: one file a command.
+
+mod bench;
+mod check;
+mod error;
+mod render;
+mod replay;
+mod scene_args;
+
+pub use error::CliError;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// A CPU Monte Carlo renderer kernel: 8-wide ray packets, BRDF·cos/pdf in SoA lanes, the same bits at any width.
+#[derive(Parser)]
+#[command(version, about, max_term_width = 110)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Render a scene file or a bare OBJ model
+    Render(render::RenderArgs),
+    /// Compare two EXR images: RMSE, relMSE, mean ratio, z-scores
+    Compare(crate::report::CompareArgs),
+    /// Prove on a scene that lane width, threads, tiles and specialisation leave no trace in the bits
+    Check(check::CheckArgs),
+    /// Print one path: every value computed for a pixel's sample
+    Replay(replay::ReplayArgs),
+    /// Measure paths per second on a scene, or rays per second on recorded rays
+    Bench(bench::BenchArgs),
+}
+
+/// Runs the command of this process's arguments.
+#[inline(never)]
+pub fn run() -> ExitCode {
+    // The age of the process is read first of all, so that budgets count from exec.
+    crate::render::seconds_since_process_start();
+    log_to_stderr();
+    let result = match Cli::parse().command {
+        Command::Render(args) => render::run(&args),
+        Command::Compare(args) => crate::report::compare_command(&args).map_err(CliError::from),
+        Command::Check(args) => check::run(&args),
+        Command::Replay(args) => replay::run(&args),
+        Command::Bench(args) => bench::run(&args),
+    };
+    match result {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("octolux: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// The library's warnings go to standard error, a line each.
+fn log_to_stderr() {
+    struct Stderr;
+    impl log::Log for Stderr {
+        fn enabled(&self, metadata: &log::Metadata) -> bool {
+            metadata.level() <= log::Level::Warn && metadata.target().starts_with("octolux")
+        }
+        fn log(&self, record: &log::Record) {
+            if self.enabled(record.metadata()) {
+                eprintln!("octolux: {}: {}", record.level().as_str().to_lowercase(), record.args());
+            }
+        }
+        fn flush(&self) {}
+    }
+    // It can only fail where a logger is set already: then that one serves.
+    if log::set_logger(&Stderr).is_ok() {
+        log::set_max_level(log::LevelFilter::Warn);
+    }
+}

@@ -1,0 +1,86 @@
+//! What every command that loads a scene understands, and the way from a path to a prepared world.
+
+use super::CliError;
+use crate::accel::BuildPreset;
+use crate::kernel::{Prepare, Width, World};
+use crate::plan::{Force, Plan};
+use crate::render::{self, Times};
+use crate::scene::{FilmSize, Scene};
+use std::path::PathBuf;
+use std::time::Instant;
+
+#[derive(clap::Args, Clone)]
+pub struct SceneArgs {
+    /// scene.toml, or a bare model.obj
+    pub scene: PathBuf,
+    /// Image size in pixels, instead of the scene's
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<FilmSize>,
+    /// Seed of every random number
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Tree quality
+    #[arg(long, value_enum, default_value_t = BuildPreset::Medium)]
+    pub build: BuildPreset,
+}
+
+/// Lane width and threads.
+#[derive(clap::Args, Clone)]
+pub struct MachineArgs {
+    /// Lanes: 1, 8 or 16 [default: the fastest of this build]
+    #[arg(long, value_parser = parse_lanes)]
+    pub lanes: Option<Width>,
+    /// Worker threads [default: one a core]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Side of a tile in pixels [default: 16, or 32 for images past 512 pixels]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=512))]
+    pub tile: Option<u32>,
+}
+
+impl MachineArgs {
+    pub fn width(&self) -> Width {
+        self.lanes.unwrap_or(Width::native())
+    }
+    pub fn threads(&self) -> usize {
+        self.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()), usize::from)
+    }
+    pub fn tile(&self, film: FilmSize) -> u32 {
+        self.tile.unwrap_or_else(|| render::default_tile(film.width, film.height))
+    }
+}
+
+impl SceneArgs {
+    pub fn load(&self) -> Result<Scene, CliError> {
+        let mut scene = crate::scene::load(&self.scene)?;
+        if let Some(size) = self.size {
+            scene.film = size;
+        }
+        Ok(scene)
+    }
+
+    /// Loads, plans and prepares.
+    pub fn world(&self, force: Force, albedo: bool) -> Result<(Scene, World, Times), CliError> {
+        let start = Instant::now();
+        let scene = self.load()?;
+        let load = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let world = self.prepare(&scene, force, albedo);
+        Ok((scene, world, Times { load, setup: start.elapsed().as_secs_f64(), pilot: 0.0 }))
+    }
+
+    pub fn prepare(&self, scene: &Scene, force: Force, albedo: bool) -> World {
+        World::new(scene, Plan::new(scene, force, albedo), Prepare { seed: self.seed, build: self.build })
+    }
+}
+
+pub fn parse_size(text: &str) -> Result<FilmSize, String> {
+    let side = |s: &str| s.parse::<u32>().ok().filter(|n| (1..=65_536).contains(n));
+    text.split_once('x')
+        .and_then(|(w, h)| Some(FilmSize { width: side(w)?, height: side(h)? }))
+        .ok_or_else(|| "write WIDTHxHEIGHT, each 1 to 65536, as in 640x480".to_string())
+}
+
+pub fn parse_lanes(text: &str) -> Result<Width, String> {
+    text.parse().ok().and_then(Width::from_lanes).ok_or_else(|| "there are kernels of 1, 8 and 16 lanes".to_string())
+}

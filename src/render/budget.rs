@@ -1,0 +1,113 @@
+//! When to stop, and how many samples a pass takes.
+//!
+//! Passes after calibration are equal, so stopping on the clock between completed passes is biased by
+//! O(1/passes) at most (Glynn & Heidelberger 1990). Calibration is the ramp 1, 1, 2, 4 … up to the pass size.
+
+use crate::film::BLOCK;
+
+/// Limits of a render; the first to be reached stops it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Budget {
+    /// Samples a pixel.
+    pub samples: Option<u64>,
+    /// Seconds since the process started, image written.
+    pub seconds: Option<f64>,
+    /// Estimated relative error E = √(mean over pixels and channels of var/(mean² + 0.01)).
+    pub error: Option<f64>,
+}
+
+/// Which limit stopped a render.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum StoppedBy {
+    Samples,
+    Time,
+    Error,
+    Interrupt,
+}
+
+impl StoppedBy {
+    /// What this says about the estimate's bias.
+    pub fn claim(self) -> &'static str {
+        match self {
+            StoppedBy::Samples => "fixed sample count, unbiased",
+            StoppedBy::Time => "stopped by the clock between equal passes, bias O(1/passes)",
+            StoppedBy::Error => "sequentially stopped, bias O(1/n)",
+            StoppedBy::Interrupt => "interrupted, bias O(1/passes)",
+        }
+    }
+}
+
+/// Samples at which the error target is tested first; then at its doublings.
+pub const FIRST_ERROR_TEST: u64 = 64;
+/// No budget lets a pixel have more: sample indices are 32 bits wide.
+pub const MAX_SAMPLES: u64 = u32::MAX as u64 + 1;
+/// A pass takes at most this share of the time budget …
+const PASS_SHARE: f64 = 0.05;
+/// … and where there is none, this many seconds.
+const PASS_SECONDS: f64 = 1.0;
+/// With a time budget passes are kept shorter still where one sample a pixel is: what is left unused at the end is
+/// less than a pass.
+const PREFERRED_SHARE: f64 = 0.02;
+
+/// Sizes the passes and says when the time is up.
+#[derive(Debug)]
+pub struct Pacer {
+    budget: Budget,
+    /// Samples in the pass under calibration or, once `settled`, in every pass.
+    size: u64,
+    settled: bool,
+    /// Seconds of the slowest of the last passes, per sample.
+    seconds_per_sample: f64,
+}
+
+impl Pacer {
+    pub fn new(budget: Budget) -> Self {
+        Pacer { budget, size: 1, settled: false, seconds_per_sample: 0.0 }
+    }
+
+    /// Samples of the next pass after `done`, or what stops the render. `now` is in seconds since the process
+    /// started, `output` the seconds that writing the image will take.
+    pub fn next(&self, done: u64, now: f64, output: f64) -> Result<u64, StoppedBy> {
+        let left = self.budget.samples.unwrap_or(MAX_SAMPLES).min(MAX_SAMPLES) - done;
+        if left == 0 {
+            return Err(StoppedBy::Samples);
+        }
+        let size = self.size.min(left);
+        match self.budget.seconds {
+            Some(limit) if now + size as f64 * self.seconds_per_sample + output > limit => {
+                // During calibration a smaller pass may still fit; afterwards all are equal.
+                let one_fits = now + self.seconds_per_sample + output <= limit;
+                if !self.settled && one_fits && size > 1 { Ok(1) } else { Err(StoppedBy::Time) }
+            }
+            _ => Ok(size),
+        }
+    }
+
+    /// Learns from a pass of `samples` that took `seconds`, with `done` samples taken in all.
+    pub fn learn(&mut self, samples: u64, seconds: f64, done: u64) {
+        let measured = seconds / samples as f64;
+        if self.settled {
+            self.seconds_per_sample = measured.max(0.5 * (self.seconds_per_sample + measured));
+            return;
+        }
+        self.seconds_per_sample = measured;
+        let (most, preferred) = match self.budget.seconds {
+            Some(limit) => (PASS_SHARE * limit, PREFERRED_SHARE * limit),
+            None => (PASS_SECONDS, PASS_SECONDS),
+        };
+        let doubled = done.min(BLOCK);
+        let affordable = |size: u64| size as f64 * measured <= preferred.min(most);
+        if done.is_power_of_two() && affordable(doubled) && doubled <= BLOCK {
+            self.size = doubled;
+            self.settled = doubled == BLOCK;
+        } else {
+            self.settled = true;
+        }
+    }
+
+    /// Is the error target to be tested after `done` samples?
+    pub fn tests_error(&self, done: u64) -> bool {
+        self.budget.error.is_some() && done >= FIRST_ERROR_TEST && done.is_power_of_two()
+    }
+}

@@ -1,0 +1,141 @@
+//! From a prepared [`World`] to a [`Film`]: passes over tiles in a thread pool of our own, until a budget is spent.
+
+pub mod budget;
+pub mod interrupt;
+mod process;
+mod progress;
+mod summary;
+
+pub use budget::{Budget, StoppedBy};
+pub use process::{peak_memory_bytes, seconds_since_process_start};
+pub use progress::Progress;
+pub use summary::{Summary, Times};
+
+use crate::film::{AovSample, Film, FilmChannels, TileFilm};
+use crate::kernel::{Counters, Job, Kernel, SampleBuffer, Width, World, select};
+use budget::Pacer;
+use rayon::prelude::*;
+use std::cell::RefCell;
+use std::time::Instant;
+
+/// Samples a worker renders before it hands them to the film: their slots (12 bytes each) stay in the L2 cache.
+const JOB_SLOTS: u32 = 16_384;
+
+/// How to render, apart from what the scene says.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    pub budget: Budget,
+    pub width: Width,
+    /// Side of a tile in pixels; see [`default_tile`].
+    pub tile: u32,
+    /// Keep albedo, normal and distance of the first hit.
+    pub aovs: bool,
+    /// Seconds to keep in reserve for writing the image, where time is limited.
+    pub output_seconds: f64,
+}
+
+/// Small tiles balance the load of a small image; large ones drain their lanes less often.
+pub fn default_tile(width: u32, height: u32) -> u32 {
+    if width.max(height) <= 512 { 16 } else { 32 }
+}
+
+/// A finished render.
+pub struct Outcome {
+    pub film: Film,
+    pub stopped_by: StoppedBy,
+    pub counters: Counters,
+    /// From the first sample traced to the finished film.
+    pub render_seconds: f64,
+}
+
+/// Worker threads, pinned to nothing, none of them the global pool's.
+///
+/// # Errors
+/// The operating system gives no thread.
+pub fn thread_pool(threads: usize) -> Result<rayon::ThreadPool, rayon::ThreadPoolBuildError> {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("octolux-{i}")).build()
+}
+
+/// Renders until a budget is spent or the user interrupts. The film's bits depend on the scene, the seed and the
+/// number of samples alone.
+pub fn render(world: &World, options: &Options, pool: &rayon::ThreadPool, progress: &mut Progress) -> Outcome {
+    let channels = if options.aovs { FilmChannels::ColourAndAovs } else { FilmChannels::Colour };
+    let mut film = Film::new(world.film.width, world.film.height, options.tile, channels, 0);
+    let kernel = select(world, options.width);
+    let mut pacer = Pacer::new(options.budget);
+    let mut counters = Counters::default();
+    let mut done = 0;
+    let start = Instant::now();
+    let stopped_by = loop {
+        let samples = match pacer.next(done, seconds_since_process_start(), options.output_seconds) {
+            Ok(samples) => samples,
+            Err(reason) => break reason,
+        };
+        let pass_start = Instant::now();
+        let pass = Pass { world, kernel, first_sample: done, samples, aovs: options.aovs };
+        counters.add(&pool.install(|| pass.run(film.tiles_mut())));
+        if interrupt::presses() > 0 {
+            break StoppedBy::Interrupt;
+        }
+        done += samples;
+        pacer.learn(samples, pass_start.elapsed().as_secs_f64(), done);
+        let relative_error = || pool.install(|| film.relative_error());
+        progress.update(done, &counters, start.elapsed().as_secs_f64(), relative_error);
+        if pacer.tests_error(done) && relative_error().zip(options.budget.error).is_some_and(|(e, target)| e <= target) {
+            break StoppedBy::Error;
+        }
+    };
+    Outcome { film, stopped_by, counters, render_seconds: start.elapsed().as_secs_f64() }
+}
+
+/// One round over the film.
+struct Pass<'a> {
+    world: &'a World,
+    kernel: Kernel,
+    first_sample: u64,
+    samples: u64,
+    aovs: bool,
+}
+
+thread_local! {
+    /// A worker's sample slots, kept between jobs.
+    static SLOTS: RefCell<SampleBuffer> = RefCell::new(SampleBuffer::default());
+}
+
+impl Pass<'_> {
+    fn run(&self, tiles: &mut [TileFilm]) -> Counters {
+        let add = |mut a: Counters, b: Counters| {
+            a.add(&b);
+            a
+        };
+        tiles.par_iter_mut().map(|tile| self.render_tile(tile)).reduce(Counters::default, add)
+    }
+
+    /// Renders this pass's samples of one tile, as many at a time as the cache holds; none once the user interrupts.
+    fn render_tile(&self, tile: &mut TileFilm) -> Counters {
+        let rect = tile.rect();
+        let at_once = (JOB_SLOTS / (rect.width * rect.height)).max(1) as u64;
+        let mut counters = Counters::default();
+        let mut first = self.first_sample;
+        let end = self.first_sample + self.samples;
+        while first < end && interrupt::presses() == 0 {
+            let samples = at_once.min(end - first);
+            let job = Job {
+                x: rect.x,
+                y: rect.y,
+                width: rect.width,
+                height: rect.height,
+                first_sample: first as u32,
+                samples: samples as u32,
+            };
+            SLOTS.with_borrow_mut(|slots| {
+                slots.reset(job.slots(), self.aovs);
+                (self.kernel)(self.world, &job, slots, &mut counters);
+                let aovs: &[AovSample] = slots.features.as_deref().unwrap_or(&[]);
+                tile.add_samples(first, samples as usize, &slots.rgb, aovs);
+            });
+            first += samples;
+        }
+        counters
+    }
+}

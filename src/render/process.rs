@@ -1,0 +1,29 @@
+//! What the operating system knows of this process.
+
+use std::sync::OnceLock;
+use std::time::Instant;
+
+/// Wall-clock seconds since this process was started by exec, by the kernel's record where it can be read, else since
+/// the first call.
+pub fn seconds_since_process_start() -> f64 {
+    static ORIGIN: OnceLock<(Instant, f64)> = OnceLock::new();
+    let (instant, age) = ORIGIN.get_or_init(|| (Instant::now(), process_age().unwrap_or(0.0)));
+    age + instant.elapsed().as_secs_f64()
+}
+
+/// Age from /proc: start time in clock ticks since boot (field 22 of stat), and the uptime. Linux counts 100 ticks a
+/// second for user space on every architecture it runs on.
+fn process_age() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The second field is the program's name in parentheses and may hold blanks.
+    let start: f64 = stat.rsplit_once(')')?.1.split_whitespace().nth(19)?.parse().ok()?;
+    let uptime: f64 = std::fs::read_to_string("/proc/uptime").ok()?.split_whitespace().next()?.parse().ok()?;
+    Some((uptime - start / 100.0).max(0.0))
+}
+
+/// The largest resident set so far; `None` where /proc does not tell.
+pub fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(line.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
+}
