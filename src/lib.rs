@@ -6,5 +6,6 @@ pub mod film;
 pub mod geometry;
 pub mod lane;
 pub mod light;
+pub mod report;
 pub mod sampling;
 pub mod scene;
