@@ -23,6 +23,8 @@
 
 pub mod accel;
 pub mod bsdf;
+pub mod check;
+pub mod cli;
 pub mod cpu;
 pub mod film;
 pub mod geometry;
@@ -30,5 +32,7 @@ pub mod kernel;
 pub mod lane;
 pub mod light;
 pub mod plan;
+pub mod render;
+pub mod report;
 pub mod sampling;
 pub mod scene;

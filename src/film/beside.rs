@@ -1,0 +1,69 @@
+//! Writing a file so that a reader sees the old one or the whole new one, never a half.
+
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::error::FilmError;
+
+/// Runs `write` on a new file in the target's folder, then renames it to `path`. On an error the target is as it was
+/// and the new file is removed. A link is followed; something that is no regular file (`/dev/null`, a pipe) is written
+/// to directly, since renaming would replace it.
+///
+/// # Errors
+/// The folder or target cannot be written, or `write` failed; the message names `path`.
+pub fn write_beside<E: ToString>(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
+) -> Result<(), FilmError> {
+    let existing = fs::metadata(path).ok();
+    if existing.as_ref().is_some_and(fs::Metadata::is_dir) {
+        return Err(FilmError::write(path, "it is a folder"));
+    }
+    if existing.as_ref().is_some_and(|meta| !meta.is_file()) {
+        let file = OpenOptions::new().write(true).open(path).map_err(|error| FilmError::write(path, error))?;
+        return run(path, file, write);
+    }
+    // A link keeps pointing where it did: its target is what is replaced.
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let (beside, file) = create_beside(&target).map_err(|error| FilmError::write(path, error))?;
+    let written = run(path, file, write).and_then(|()| {
+        if let Some(meta) = existing {
+            fs::set_permissions(&beside, meta.permissions()).map_err(|error| FilmError::write(path, error))?;
+        }
+        fs::rename(&beside, &target).map_err(|error| FilmError::write(path, error))
+    });
+    if written.is_err() {
+        // The first error is the one worth reporting.
+        let _ = fs::remove_file(&beside);
+    }
+    written
+}
+
+fn run<E: ToString>(
+    path: &Path,
+    file: File,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
+) -> Result<(), FilmError> {
+    let mut buffered = BufWriter::with_capacity(1 << 16, file);
+    write(&mut buffered).map_err(|error| FilmError::write(path, error))?;
+    buffered.flush().map_err(|error| FilmError::write(path, error))
+}
+
+/// A new file `.NAME.PID-COUNT.part`: unique among threads and processes, and recognisable if one is ever left.
+fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    let name = target.file_name().ok_or_else(|| io::Error::other("not a file name"))?;
+    loop {
+        let mut beside = OsString::from(".");
+        beside.push(name);
+        beside.push(format!(".{}-{}.part", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
+        let beside = target.with_file_name(beside);
+        match OpenOptions::new().write(true).create_new(true).open(&beside) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            result => return result.map(|file| (beside, file)),
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! What can go wrong with films and their files, one line each.
+
+use std::path::{Path, PathBuf};
+
+/// An image could not be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum FilmError {
+    #[error("{}: cannot write: {why}", path.display())]
+    Write { path: PathBuf, why: String },
+    #[error("{}: cannot read: {why}", path.display())]
+    Read { path: PathBuf, why: String },
+}
+
+impl FilmError {
+    pub(crate) fn write(path: &Path, why: impl ToString) -> Self {
+        Self::Write { path: path.to_owned(), why: one_line(why) }
+    }
+
+    pub(crate) fn read(path: &Path, why: impl ToString) -> Self {
+        Self::Read { path: path.to_owned(), why: one_line(why) }
+    }
+}
+
+/// Two films, or two tiles, do not fit together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MergeError {
+    #[error("the films differ in size, tiles or channels")]
+    Shape,
+    #[error("both hold the block of samples that starts at {first_sample}")]
+    Overlap { first_sample: u64 },
+    #[error("a range that ends inside a block of 64 must be the last: block of sample {first_sample} is unfinished")]
+    UnfinishedBlock { first_sample: u64 },
+}
+
+fn one_line(why: impl ToString) -> String {
+    why.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,228 @@
+//! OpenEXR to f32 planes: any flat file with R, G, B (or one `NAME.R/G/B`, or Y alone) in half, float or uint.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use exr::block::reader::{ChunksReader, Reader};
+use exr::block::{UncompressedBlock, chunk::Chunk};
+use exr::meta::MetaData;
+use exr::meta::attribute::{AttributeValue, SampleType, Text};
+use exr::meta::header::Header;
+use exr::prelude::f16;
+use rayon::prelude::*;
+
+use super::error::FilmError;
+use super::metadata::{Attribute, VARIANCE_VALIDITY, VarianceValidity};
+
+/// Longest side that is read: what a scene file may ask for.
+const MAX_SIDE: usize = 65_536;
+
+/// A header may ask for this much memory whatever the file's length: the image of one colour that compresses to nothing.
+const ALWAYS_ALLOWED_BYTES: u64 = 1 << 30;
+
+/// Beyond that, at most this many bytes for each byte of the file: deflate reaches 1032.
+const MAX_EXPANSION: u64 = 2_000;
+
+/// Chunks decompressed in parallel at a time.
+const CHUNKS_IN_FLIGHT: usize = 64;
+
+/// An image in memory, row 0 on top. Planes are row-major, `width · height` values each.
+#[derive(Clone, Debug)]
+pub struct ExrImage {
+    pub width: u32,
+    pub height: u32,
+    /// Name and plane of every channel of the part that holds the colour.
+    pub channels: Vec<(String, Vec<f32>)>,
+    /// Text, float and integer attributes of the header, sorted by name.
+    pub attributes: Vec<(String, Attribute)>,
+    colour: [usize; 3],
+}
+
+impl ExrImage {
+    /// Planes of red, green, blue; the same plane three times for a grey image.
+    pub fn rgb(&self) -> [&[f32]; 3] {
+        self.colour.map(|c| self.channels[c].1.as_slice())
+    }
+
+    pub fn channel(&self, name: &str) -> Option<&[f32]> {
+        self.channels.iter().find(|(known, _)| known == name).map(|(_, plane)| plane.as_slice())
+    }
+
+    /// Planes of the variance of the mean, if the file has them.
+    pub fn variance(&self) -> Option<[&[f32]; 3]> {
+        Some([self.channel("variance.R")?, self.channel("variance.G")?, self.channel("variance.B")?])
+    }
+
+    pub fn attribute(&self, name: &str) -> Option<&Attribute> {
+        self.attributes.iter().find(|(known, _)| known == name).map(|(_, value)| value)
+    }
+
+    /// What the file says its variance may be used for; `None` where it says nothing that is known here.
+    pub fn variance_validity(&self) -> Option<VarianceValidity> {
+        match self.attribute(VARIANCE_VALIDITY)? {
+            Attribute::Text(text) => VarianceValidity::parse(text),
+            _ => None,
+        }
+    }
+}
+
+/// Reads the first part that holds a colour image. Decompresses in the current rayon pool.
+///
+/// # Errors
+/// No such file, not an EXR, no colour channels, deep or subsampled data, a damaged file, or a header that asks for a
+/// size that such a file cannot hold; one line that names `path`.
+pub fn read_exr(path: &Path) -> Result<ExrImage, FilmError> {
+    read(path).map_err(|why| FilmError::read(path, why))
+}
+
+fn read(path: &Path) -> Result<ExrImage, String> {
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    let status = file.metadata().map_err(|error| error.to_string())?;
+    if !status.is_file() {
+        return Err("it is not a regular file".to_owned());
+    }
+    let reader = exr::block::read(BufReader::new(file), false).map_err(|error| describe(&error))?;
+    let (part, colour) = find_colour(reader.headers())?;
+    let header = &reader.headers()[part];
+    check_size(reader.headers(), header, status.len())?;
+
+    let (width, height) = (header.layer_size.width(), header.layer_size.height());
+    let mut image = ExrImage {
+        width: width as u32,
+        height: height as u32,
+        channels: header.channels.list.iter().map(|c| (string(&c.name), vec![0.0; width * height])).collect(),
+        attributes: attributes(header),
+        colour,
+    };
+    read_planes(reader, part, &mut image).map_err(|error| describe(&error))?;
+    Ok(image)
+}
+
+fn read_planes(reader: Reader<BufReader<File>>, part: usize, image: &mut ExrImage) -> exr::error::UnitResult {
+    let mut chunks =
+        reader.filter_chunks(true, |_, tile, block| block.layer == part && tile.is_largest_resolution_level())?;
+    let meta = chunks.meta_data().clone();
+    let mut pixels_read = 0;
+    loop {
+        let batch: Vec<Chunk> = chunks.by_ref().take(CHUNKS_IN_FLIGHT).collect::<exr::error::Result<_>>()?;
+        if batch.is_empty() {
+            break;
+        }
+        let blocks: Vec<_> =
+            batch.into_par_iter().map(|chunk| UncompressedBlock::decompress_chunk(chunk, &meta, true)).collect();
+        for block in blocks {
+            let block = block?;
+            if block.index.layer != part {
+                return Err(exr::error::Error::Invalid("a chunk of another part".into()));
+            }
+            pixels_read += block.index.pixel_size.area();
+            copy_block(&block, &meta, image);
+        }
+    }
+    if pixels_read != image.width as usize * image.height as usize {
+        return Err(exr::error::Error::Invalid("pixels are missing".into()));
+    }
+    Ok(())
+}
+
+fn copy_block(block: &UncompressedBlock, meta: &MetaData, image: &mut ExrImage) {
+    let channels = &meta.headers[block.index.layer].channels;
+    for line in block.lines(channels) {
+        let at = line.location;
+        let start = at.position.y() * image.width as usize + at.position.x();
+        let target = &mut image.channels[at.channel].1[start..start + at.sample_count];
+        decode(channels.list[at.channel].sample_type, line.value, target);
+    }
+}
+
+fn decode(kind: SampleType, bytes: &[u8], target: &mut [f32]) {
+    match kind {
+        SampleType::F32 => {
+            let values = bytes.as_chunks().0.iter().map(|&b| f32::from_ne_bytes(b));
+            target.iter_mut().zip(values).for_each(|(t, value)| *t = value);
+        }
+        SampleType::F16 => {
+            let values = bytes.as_chunks().0.iter().map(|&b| f16::from_ne_bytes(b).to_f32());
+            target.iter_mut().zip(values).for_each(|(t, value)| *t = value);
+        }
+        SampleType::U32 => {
+            let values = bytes.as_chunks().0.iter().map(|&b| u32::from_ne_bytes(b) as f32);
+            target.iter_mut().zip(values).for_each(|(t, value)| *t = value);
+        }
+    }
+}
+
+/// The first flat part with colour, and which of its channels are red, green and blue.
+fn find_colour(headers: &[Header]) -> Result<(usize, [usize; 3]), String> {
+    let flat = headers.iter().enumerate().filter(|(_, header)| !header.deep);
+    let found = flat.map(|(part, header)| (part, colour_channels(header))).find_map(|(part, c)| Some((part, c?)));
+    found.ok_or_else(|| {
+        let names: Vec<_> = headers.iter().flat_map(|h| &h.channels.list).map(|c| string(&c.name)).take(8).collect();
+        format!("no flat part has channels R, G, B or Y (it has: {})", names.join(", "))
+    })
+}
+
+fn colour_channels(header: &Header) -> Option<[usize; 3]> {
+    let names: Vec<String> = header.channels.list.iter().map(|c| string(&c.name)).collect();
+    let place = |name: &str| names.iter().position(|known| known == name);
+    let triple = |prefix: &str| {
+        Some([place(&format!("{prefix}R"))?, place(&format!("{prefix}G"))?, place(&format!("{prefix}B"))?])
+    };
+    let own_layers = ["variance.", "albedo."];
+    let prefixes = names.iter().filter_map(|name| name.strip_suffix('R')).filter(|p| p.ends_with('.'));
+    triple("")
+        .or_else(|| prefixes.filter(|p| !own_layers.contains(p)).find_map(triple))
+        .or_else(|| place("Y").map(|y| [y; 3]))
+}
+
+fn check_size(headers: &[Header], header: &Header, file_bytes: u64) -> Result<(), String> {
+    let (width, height) = (header.layer_size.width(), header.layer_size.height());
+    if width.max(height) > MAX_SIDE {
+        return Err(format!("{width}x{height} pixels are too many: {MAX_SIDE} a side is the most"));
+    }
+    if header.channels.list.iter().any(|c| (c.sampling.x(), c.sampling.y()) != (1, 1)) {
+        return Err("subsampled channels are not supported".to_owned());
+    }
+    let needed = (width * height) as u64 * header.channels.list.len() as u64 * size_of::<f32>() as u64;
+    let chunks: u64 = headers.iter().map(|header| header.chunk_count as u64).sum();
+    if needed > ALWAYS_ALLOWED_BYTES.max(file_bytes.saturating_mul(MAX_EXPANSION)) || chunks > file_bytes / 8 {
+        return Err(format!(
+            "{width}x{height} pixels cannot be in {file_bytes} bytes: the file is cut short or damaged"
+        ));
+    }
+    Ok(())
+}
+
+fn attributes(header: &Header) -> Vec<(String, Attribute)> {
+    let all = header.own_attributes.other.iter().chain(&header.shared_attributes.other);
+    let mut known: Vec<_> = all.filter_map(|(name, value)| Some((string(name), attribute(value)?))).collect();
+    known.sort_by(|a, b| a.0.cmp(&b.0));
+    known
+}
+
+fn attribute(value: &AttributeValue) -> Option<Attribute> {
+    match value {
+        AttributeValue::Text(text) => Some(Attribute::Text(string(text))),
+        AttributeValue::F32(value) => Some(Attribute::Float(*value)),
+        AttributeValue::F64(value) => Some(Attribute::Float(*value as f32)),
+        AttributeValue::I32(value) => {
+            Some(u64::try_from(*value).map_or_else(|_| Attribute::Text(value.to_string()), Attribute::Integer))
+        }
+        _ => None,
+    }
+}
+
+fn string(text: &Text) -> String {
+    String::from_utf8_lossy(text.bytes()).into_owned()
+}
+
+fn describe(error: &exr::error::Error) -> String {
+    use exr::error::Error;
+    match error {
+        Error::NotSupported(what) => format!("this kind of EXR is not supported: {what}"),
+        Error::Invalid(what) => format!("not a whole, valid EXR file: {what}"),
+        Error::Io(error) => error.to_string(),
+        Error::Aborted => "stopped".to_owned(),
+    }
+}

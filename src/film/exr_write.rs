@@ -1,0 +1,159 @@
+//! Film to OpenEXR: float32, one part, scan lines, written row by row from the film without a copy of the image.
+//!
+//! Channels: `R G B`; `variance.R/G/B` = s²/n where every pixel has two samples or more; with AOVs `albedo.R/G/B`,
+//! `N.X/Y/Z` and `Z`. Extra channels live inside the one part (`Layer.R`), as several readers cannot open others.
+
+use std::path::Path;
+
+use exr::block::writer::ChunksWriter;
+use exr::block::{BlockIndex, UncompressedBlock};
+use exr::meta::BlockDescription;
+use exr::meta::attribute::{AttributeValue, ChannelDescription, LineOrder, SampleType, Text};
+use exr::meta::header::{Header, LayerAttributes};
+use exr::prelude::{Compression, SmallVec};
+use rayon::prelude::*;
+
+use super::beside::write_beside;
+use super::error::FilmError;
+use super::metadata::{Attribute, VARIANCE_VALIDITY, VarianceValidity};
+use super::sheet::Film;
+use super::slot::FilmChannels;
+
+/// Noise hardly compresses: for a 1920×1080 image with variance ZIP takes ten times as long to save a tenth.
+const COMPRESSION: Compression = Compression::Uncompressed;
+
+/// Blocks formed in parallel before they are written: bounds the memory that writing takes.
+const BLOCKS_IN_FLIGHT: usize = 64;
+
+const COLOUR: [&str; 3] = ["R", "G", "B"];
+const VARIANCE: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
+const AOVS: [&str; 7] = ["albedo.R", "albedo.G", "albedo.B", "N.X", "N.Y", "N.Z", "Z"];
+
+/// Writes the film to `path` (beside it first, then renamed). `attributes` go to the header, together with
+/// `variance_validity`. Works in the current rayon pool.
+///
+/// # Errors
+/// The file cannot be written, or an attribute's name is not allowed in a header; the message names `path`.
+pub fn write_exr(
+    film: &Film,
+    path: &Path,
+    attributes: &[(String, Attribute)],
+    validity: VarianceValidity,
+) -> Result<(), FilmError> {
+    let with_variance = film.samples() >= 2;
+    let with_aovs = film.channels() == FilmChannels::ColourAndAovs;
+    let mut names = COLOUR.to_vec();
+    names.extend(VARIANCE.iter().filter(|_| with_variance));
+    names.extend(AOVS.iter().filter(|_| with_aovs));
+
+    let mut attributes = attributes.to_vec();
+    let validity = if with_variance { validity.text() } else { "absent: one sample has no variance" };
+    attributes.push((VARIANCE_VALIDITY.to_owned(), validity.into()));
+
+    let size = (film.width() as usize, film.height() as usize);
+    write_rows(path, size, &names, &attributes, |y, planes| {
+        for x in 0..film.width() {
+            let pixel = film.pixel(x, y as u32);
+            let mut values = pixel
+                .mean()
+                .into_iter()
+                .chain(pixel.variance_of_mean().filter(|_| with_variance).into_iter().flatten());
+            let mut place = x as usize;
+            let mut put = |value: f64| {
+                planes[place] = to_f32(value);
+                place += size.0;
+            };
+            values.by_ref().for_each(&mut put);
+            if let Some(aovs) = pixel.aovs() {
+                aovs.albedo.into_iter().chain(aovs.normal).for_each(&mut put);
+                put(aovs.depth);
+            }
+        }
+    })
+}
+
+/// Rounds; what is too large for f32 (a variance can be) becomes the largest, so that no file holds an infinity.
+fn to_f32(value: f64) -> f32 {
+    value.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32
+}
+
+/// Writes any float32 image. `row(y, planes)` fills `planes[channel · width + x]` in the order of `names`; it is called
+/// once for each row, from several threads.
+///
+/// # Errors
+/// As [`write_exr`]; also for duplicate channel names or an empty image.
+pub fn write_rows(
+    path: &Path,
+    (width, height): (usize, usize),
+    names: &[&str],
+    attributes: &[(String, Attribute)],
+    row: impl Fn(usize, &mut [f32]) + Sync,
+) -> Result<(), FilmError> {
+    // The format wants channels sorted by name.
+    let mut order: Vec<usize> = (0..names.len()).collect();
+    order.sort_by_key(|&c| names[c]);
+    let header = header((width, height), order.iter().map(|&c| names[c]), attributes)
+        .map_err(|why| FilmError::write(path, why))?;
+
+    let form_block = |index: BlockIndex| {
+        let mut planes = vec![0.0f32; names.len() * width];
+        let mut data = Vec::with_capacity(index.pixel_size.area() * names.len() * size_of::<f32>());
+        for y in 0..index.pixel_size.height() {
+            row(index.pixel_position.y() + y, &mut planes);
+            for &channel in &order {
+                let line = &planes[channel * width..(channel + 1) * width];
+                data.extend(line.iter().flat_map(|value| value.to_ne_bytes()));
+            }
+        }
+        UncompressedBlock { index, data }
+    };
+
+    write_beside(path, |file| {
+        exr::block::write(file, SmallVec::from_iter([header]), true, |meta, chunks| {
+            let blocks: Vec<_> = meta.enumerate_ordered_header_block_indices().collect();
+            for batch in blocks.chunks(BLOCKS_IN_FLIGHT) {
+                let formed: Vec<_> = batch
+                    .par_iter()
+                    .map(|&(place, index)| (place, form_block(index).compress_to_chunk(&meta.headers)))
+                    .collect();
+                for (place, chunk) in formed {
+                    chunks.write_chunk(place, chunk?)?;
+                }
+            }
+            Ok(())
+        })
+    })
+}
+
+fn header<'a>(
+    size: (usize, usize),
+    names: impl Iterator<Item = &'a str>,
+    attributes: &[(String, Attribute)],
+) -> Result<Header, String> {
+    let channels = names.map(|name| ChannelDescription::named(name, SampleType::F32)).collect();
+    let mut own = LayerAttributes::default();
+    for (name, value) in attributes {
+        if name.is_empty() || name.len() > 255 || name.contains('\0') {
+            return Err(format!("`{name}` cannot name an attribute: 1 to 255 bytes are needed"));
+        }
+        own.other.insert(text(name), attribute_value(value));
+    }
+    Ok(Header::new(Text::default(), size, channels)
+        .with_encoding(COMPRESSION, BlockDescription::ScanLines, LineOrder::Increasing)
+        .with_attributes(own))
+}
+
+fn attribute_value(value: &Attribute) -> AttributeValue {
+    match value {
+        Attribute::Text(value) => AttributeValue::Text(text(value)),
+        Attribute::Float(value) => AttributeValue::F32(*value),
+        Attribute::Integer(value) => match i32::try_from(*value) {
+            Ok(value) => AttributeValue::I32(value),
+            Err(_) => AttributeValue::Text(text(&value.to_string())),
+        },
+    }
+}
+
+fn text(value: &str) -> Text {
+    Text::from_slice_unchecked(value.as_bytes())
+}

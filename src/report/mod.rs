@@ -1,0 +1,6 @@
+//! What is said about images once they exist: error metrics and comparisons.
+
+pub mod compare;
+pub mod diff;
+pub mod metrics;
+pub mod sidak;
