@@ -3,6 +3,7 @@
 mod stats;
 
 mod bsdf;
+mod cli;
 mod film;
 mod lane;
 mod light;

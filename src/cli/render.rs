@@ -98,7 +98,7 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
         eprintln!("interrupted before the first sample; nothing was written");
         return Ok(true);
     }
-    pool.install(|| targets.write_images(&outcome, &summary, args))?;
+    pool.install(|| targets.write_images(&outcome, &summary, args.exposure))?;
     summary.finish(start.elapsed().as_secs_f64());
     targets.write_json(&summary)?;
     if !args.quiet {
@@ -162,13 +162,13 @@ impl<'a> Targets<'a> {
         exr + png
     }
 
-    fn write_images(&self, outcome: &Outcome, summary: &Summary, args: &RenderArgs) -> Result<(), CliError> {
+    fn write_images(&self, outcome: &Outcome, summary: &Summary, exposure: f32) -> Result<(), CliError> {
         let film = &outcome.film;
         if let Some(path) = &self.exr {
-            film::write_exr(path, film, validity(outcome.stopped_by, args.unbiased), &attributes(film, summary))?;
+            film::write_exr(film, path, &attributes(film, summary), validity(outcome.stopped_by))?;
         }
         if let Some(path) = self.png {
-            film::write_png(path, film, args.exposure)?;
+            film::write_png(film, path, exposure)?;
         }
         Ok(())
     }
@@ -186,7 +186,7 @@ impl<'a> Targets<'a> {
     }
 }
 
-fn validity(stopped_by: StoppedBy, _unbiased: bool) -> VarianceValidity {
+fn validity(stopped_by: StoppedBy) -> VarianceValidity {
     match stopped_by {
         StoppedBy::Error => VarianceValidity::Stopped,
         _ => VarianceValidity::Independent,

@@ -56,6 +56,18 @@ pub fn thread_pool(threads: usize) -> Result<rayon::ThreadPool, rayon::ThreadPoo
     rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("octolux-{i}")).build()
 }
 
+/// The same with thread i pinned to the i-th core this process may use: for measuring.
+///
+/// # Errors
+/// The operating system gives no thread.
+pub fn pinned_thread_pool(threads: usize) -> Result<rayon::ThreadPool, rayon::ThreadPoolBuildError> {
+    let cores = process::allowed_cores();
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .start_handler(move |i| cores.get(i % cores.len().max(1)).copied().map_or((), process::pin_to_core))
+        .build()
+}
+
 /// Renders until a budget is spent or the user interrupts. The film's bits depend on the scene, the seed and the
 /// number of samples alone.
 pub fn render(world: &World, options: &Options, pool: &rayon::ThreadPool, progress: &mut Progress) -> Outcome {

@@ -1,6 +1,9 @@
 //! What is said about images once they exist: error metrics and comparisons.
 
+pub mod bench;
 pub mod compare;
 pub mod diff;
 pub mod metrics;
 pub mod sidak;
+
+pub use compare::{CompareArgs, CompareError, compare_command};

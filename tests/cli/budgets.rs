@@ -1,0 +1,102 @@
+//! `--spp`, `--time`, `--error`, Ctrl-C: the first to be reached stops, and the report says which.
+
+use super::Scratch;
+use octolux::render::StoppedBy;
+use octolux::render::budget::{Budget, Pacer};
+
+/// Runs a pacer against passes that take `seconds_per_sample`, and returns the pass sizes and what stopped it.
+fn simulate(budget: Budget, seconds_per_sample: f64) -> (Vec<u64>, StoppedBy, f64) {
+    let mut pacer = Pacer::new(budget);
+    let (mut done, mut now, mut passes) = (0, 0.0, Vec::new());
+    loop {
+        match pacer.next(done, now, 0.0) {
+            Err(reason) => return (passes, reason, now),
+            Ok(samples) => {
+                let seconds = samples as f64 * seconds_per_sample;
+                now += seconds;
+                done += samples;
+                passes.push(samples);
+                pacer.learn(samples, seconds, done);
+            }
+        }
+    }
+}
+
+#[test]
+fn passes_after_calibration_are_equal_and_at_most_five_percent() {
+    for seconds_per_sample in [1e-4, 3e-3, 0.02, 0.3] {
+        let limit = 10.0;
+        let (passes, reason, end) = simulate(Budget { seconds: Some(limit), ..Budget::default() }, seconds_per_sample);
+        assert_eq!(reason, StoppedBy::Time);
+        let most = (0.05 * limit / seconds_per_sample).max(1.0);
+        assert!(passes.iter().all(|&p| p as f64 <= most), "{passes:?}");
+        let settled = &passes[passes.len() / 2..];
+        assert!(settled.iter().all(|p| p == settled.last().unwrap()), "{passes:?}");
+        assert!(end <= limit && end >= 0.95 * limit, "used {end} of {limit} at {seconds_per_sample}");
+    }
+}
+
+#[test]
+fn no_pass_crosses_a_block_of_64_once_sizes_settle() {
+    let (passes, _, _) = simulate(Budget { samples: Some(1000), ..Budget::default() }, 1e-3);
+    let mut done = 0;
+    for &p in &passes[..passes.len() - 1] {
+        assert_eq!(done / 64, (done + p - 1) / 64, "{passes:?}");
+        done += p;
+    }
+    assert_eq!(passes.iter().sum::<u64>(), 1000);
+}
+
+#[test]
+fn time_stops_a_render_near_its_limit() {
+    let scratch = Scratch::new();
+    let report = scratch.json(&["render", "scene.toml", "-o", "a.exr", "--time", "0.5", "--json", "-", "--quiet"]);
+    assert_eq!(report["stopped_by"], "time");
+    let wall = report["wall_seconds"].as_f64().unwrap();
+    // Generous: other tests share the cores. The figures that count are measured, not tested.
+    assert!((0.3..2.0).contains(&wall), "{wall}");
+}
+
+#[test]
+fn error_stops_at_a_doubling_and_says_that_it_is_biased() {
+    let scratch = Scratch::new();
+    let run = |target: &str, more: &[&str]| {
+        let arguments = [&["render", "scene.toml", "-o", "a.exr", "--json", "-", "--quiet", "--error", target], more].concat();
+        scratch.json(&arguments)
+    };
+    let report = run("0.03", &[]);
+    assert_eq!(report["stopped_by"], "error");
+    assert!(report["claim"].as_str().unwrap().contains("sequentially stopped, bias O(1/n)"));
+    assert!(report["relative_error"].as_f64().unwrap() <= 0.03);
+    let samples = report["samples_per_pixel"].as_u64().unwrap();
+    assert!(samples >= 64 && samples.is_power_of_two(), "{samples}");
+
+    let report = run("0.03", &["--unbiased"]);
+    assert_eq!(report["stopped_by"], "samples");
+    let error = report["relative_error"].as_f64().unwrap();
+    // The count came from a pilot of 64 samples, whose variance estimate is itself uncertain by some percent.
+    assert!(error < 0.03 * 1.3, "{error}");
+
+    assert_eq!(run("1e-9", &["--spp", "128"])["stopped_by"], "samples");
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_writes_what_there_is_and_succeeds() {
+    let scratch = Scratch::new();
+    let binary = assert_cmd::cargo::cargo_bin("octolux");
+    let mut child = std::process::Command::new(binary)
+        .current_dir(scratch.folder.path())
+        .args(["render", "scene.toml", "-o", "a.exr", "--spp", "4000000000", "--json", "a.json", "--quiet", "--size", "256x256"])
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    nix::sys::signal::kill(nix::unistd::Pid::from_raw(child.id() as i32), nix::sys::signal::Signal::SIGINT).unwrap();
+    let asked = std::time::Instant::now();
+    assert!(child.wait().unwrap().success());
+    let answered = asked.elapsed().as_secs_f64();
+    assert!(answered < 5.0, "one second is the aim on a quiet machine; it took {answered}");
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(scratch.path("a.json")).unwrap()).unwrap();
+    assert_eq!(report["stopped_by"], "interrupt");
+    assert!(octolux::film::read_exr(&scratch.path("a.exr")).is_ok());
+}

@@ -1,0 +1,102 @@
+//! `octolux render`.
+
+use super::{Scratch, text};
+use octolux::film::read_exr;
+
+#[test]
+fn writes_an_exr_with_variance_and_metadata() {
+    let scratch = Scratch::new();
+    let output = scratch.run(&["render", "scene.toml", "-o", "a.exr", "--spp", "8", "--seed", "3", "--aovs"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let image = read_exr(&scratch.path("a.exr")).unwrap();
+    assert_eq!((image.width, image.height), (24, 16));
+    assert!(image.variance.is_some(), "eight samples have a variance");
+    let raw = std::fs::read(scratch.path("a.exr")).unwrap();
+    for channel in ["albedo.R", "N.X", "Z", "variance.G", "octolux.samples", "octolux.stopped_by", "octolux.cpu_features"] {
+        assert!(raw.windows(channel.len()).any(|w| w == channel.as_bytes()), "{channel} is in the header");
+    }
+}
+
+#[test]
+fn one_sample_has_no_variance_layer() {
+    let scratch = Scratch::new();
+    scratch.run(&["render", "scene.toml", "-o", "a.exr", "--spp", "1"]);
+    assert!(read_exr(&scratch.path("a.exr")).unwrap().variance.is_none());
+}
+
+#[test]
+fn json_on_standard_output_is_complete_and_alone() {
+    let scratch = Scratch::new();
+    let report = scratch.json(&["render", "scene.toml", "-o", "a.exr", "--spp", "4", "--json", "-", "--threads", "2", "--lanes", "8"]);
+    for key in [
+        "render_seconds", "setup_seconds", "wall_seconds", "samples_per_pixel", "paths_per_second", "rays_per_second",
+        "discarded_samples", "lanes", "threads", "seed", "stopped_by",
+    ] {
+        assert!(!report[key].is_null(), "{key} is missing in {report}");
+    }
+    assert_eq!(report["samples_per_pixel"], 4);
+    assert_eq!(report["discarded_samples"], 0);
+    assert_eq!(report["lanes"], 8);
+    assert_eq!(report["stopped_by"], "samples");
+    assert_eq!(report["paths"], 24 * 16 * 4);
+    let (setup, render, wall) = (&report["setup_seconds"], &report["render_seconds"], &report["wall_seconds"]);
+    assert!(setup.as_f64().unwrap() + render.as_f64().unwrap() <= wall.as_f64().unwrap() + 0.02, "parts add up: {report}");
+}
+
+#[test]
+fn the_same_command_gives_the_same_file_contents_and_another_seed_does_not() {
+    let scratch = Scratch::new();
+    let pixels = |name: &str, seed: &str| {
+        scratch.run(&["render", "scene.toml", "-o", name, "--spp", "4", "--seed", seed]);
+        read_exr(&scratch.path(name)).unwrap().rgb
+    };
+    assert_eq!(pixels("a.exr", "1"), pixels("b.exr", "1"));
+    assert_ne!(pixels("c.exr", "1"), pixels("d.exr", "2"));
+}
+
+#[test]
+fn png_is_a_png_of_the_asked_size() {
+    let scratch = Scratch::new();
+    let output = scratch.run(&["render", "scene.toml", "--png", "a.png", "--spp", "1", "--size", "30x20", "--exposure", "-1"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(scratch.path("a.png")).unwrap()));
+    let reader = decoder.read_info().unwrap();
+    assert_eq!((reader.info().width, reader.info().height), (30, 20));
+    assert!(!scratch.path("scene.exr").exists(), "with --png alone no EXR is written");
+}
+
+#[test]
+fn explain_says_what_was_left_out_and_why() {
+    let scratch = Scratch::new();
+    let output = scratch.run(&["render", "scene.toml", "-o", "a.exr", "--spp", "1", "--explain"]);
+    let said = text(&output.stderr);
+    let line = |what: &str| said.lines().find(|l| l.contains(what)).unwrap_or_default().to_string();
+    assert!(line("tree").contains("left out") && line("tree").contains("primitives"), "{said}");
+    assert!(line("shading normals").contains("left out"), "{said}");
+    assert!(line("environment").contains("kept"), "{said}");
+    assert!(line("conductor").contains("kept"), "{said}");
+}
+
+#[test]
+fn quiet_says_nothing() {
+    let scratch = Scratch::new();
+    let output = scratch.run(&["render", "scene.toml", "-o", "a.exr", "--spp", "1", "--quiet"]);
+    assert_eq!((text(&output.stdout), text(&output.stderr)), (String::new(), String::new()));
+}
+
+#[test]
+fn views_read_zero_where_nothing_is_hit() {
+    let scratch = Scratch::new();
+    let scene = std::fs::read_to_string(scratch.path("scene.toml")).unwrap();
+    for kind in ["normals", "depth", "hit"] {
+        let view = format!("{scene}\n[integrator]\nkind = \"{kind}\"\nmax_depth = 10.0\n");
+        std::fs::write(scratch.path("view.toml"), view).unwrap();
+        let output = scratch.run(&["render", "view.toml", "-o", "view.exr", "--spp", "1"]);
+        assert!(output.status.success(), "{kind}: {}", text(&output.stderr));
+        let image = read_exr(&scratch.path("view.exr")).unwrap();
+        let top_left = &image.rgb[..1];
+        assert!(top_left.iter().flatten().all(|&x| x == 0.0), "{kind}: the sky is a miss");
+        let bottom = &image.rgb[24 * 15 + 12];
+        assert!(bottom.iter().any(|&x| x != 0.0), "{kind}: the floor is a hit");
+    }
+}
