@@ -37,7 +37,7 @@ pub struct MaterialAt<R: Real> {
 
 impl MaterialTable {
     pub fn new(materials: &[Material]) -> Self {
-        Self { rows: Rows::from_fn(materials.len(), |i| row(&materials[i])) }
+        Self { rows: Rows::new(materials.iter().map(row).collect()) }
     }
 
     /// The rows of the lanes in `valid`; other lanes hold a black diffuse material.

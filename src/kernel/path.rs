@@ -13,6 +13,7 @@ use super::world::World;
 use crate::accel::Mode;
 use crate::geometry::{Hit, MISS, Ray, offset_origin, shadow_ray};
 use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::light::{LightSample, sphere_pdf, triangle_pdf};
 use crate::sampling::dimensions::*;
 use crate::sampling::{Frame, Xoshiro};
 
@@ -175,7 +176,7 @@ fn mis_weight<R: Real>(pdf: R, other: R) -> R {
 #[inline(always)]
 fn add_environment<R: Real, P: Probe>(world: &World, paths: &mut Paths<R>, missed: R::Mask, probe: &mut P) {
     let Some(lights) = world.lights.as_ref().filter(|_| world.plan.environment) else { return };
-    let (radiance, pdf) = lights.environment(paths.ray.direction, missed);
+    let (radiance, pdf) = lights.environment(paths.ray.direction);
     let contribution = paths.beta.hadamard(radiance) * mis_weight(paths.bsdf_pdf, pdf);
     let contribution = probe.tap_rgb(Stage::Emission, paths.lanes(missed), contribution);
     paths.radiance = paths.radiance + contribution.masked(missed);
@@ -195,11 +196,12 @@ fn add_emission<R: Real, P: Probe>(
     if emitting.none() {
         return;
     }
-    let Some(lights) = &world.lights else { return };
-    let mut pdf = surface.light_pdf_area * paths.hit.t * paths.hit.t / cos_light;
+    let mut pdf = triangle_pdf(surface.light_row, paths.hit.t, cos_light);
     let on_sphere = emitting & surface.on_sphere;
     if on_sphere.any() {
-        pdf = R::select(on_sphere, lights.sphere_pdf(paths.hit.primitive, paths.ray.origin, on_sphere), pdf);
+        let sphere = world.sphere_at(paths.hit.primitive, on_sphere);
+        let of_sphere = sphere_pdf(surface.light_row, sphere.center, sphere.radius, paths.ray.origin);
+        pdf = R::select(on_sphere, of_sphere, pdf);
     }
     let contribution = paths.beta.hadamard(surface.material.emission) * mis_weight(paths.bsdf_pdf, pdf);
     let contribution = probe.tap_rgb(Stage::Emission, paths.lanes(emitting), contribution);
@@ -216,7 +218,7 @@ fn add_direct_light<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     surface: &Surface<R>,
     frame: &Frame<R>,
     wo: Vec3<R>,
-    u: &[R; BOUNCE_DIMENSIONS],
+    u: &[R; BOUNCE],
     scatters: R::Mask,
     counters: &mut Counters,
     probe: &mut P,
@@ -226,7 +228,7 @@ fn add_direct_light<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     if lit.none() {
         return;
     }
-    let light = lights.sample(surface.point, u[LIGHT_CHOICE], [u[LIGHT_U], u[LIGHT_V]], lit);
+    let light = lights.sample(surface.at.p, u[LIGHT_CHOICE], [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]], lit);
     let wi = frame.to_local(light.wi);
     let pdf = probe.tap(Stage::LightPdf, paths.lanes(lit), light.pdf);
     let lit = lit & pdf.gt(R::zero()) & same_side(wi.z, surface.ng.dot(light.wi));
@@ -238,12 +240,24 @@ fn add_direct_light<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     if carries.none() {
         return;
     }
-    let origin = offset_origin(surface.point, surface.error, surface.ng, light.wi);
-    let ray = shadow_ray(origin, &light);
+    let ray = light_ray(surface, &light);
     counters.shadow(carries);
     let occluded = world.accel.occluded::<R, T::Shadow>(&ray, carries);
     let occluded = probe.tap_mask(Stage::Shadow, paths.lanes(carries), occluded);
     paths.radiance = paths.radiance + contribution.masked(carries & !occluded);
+}
+
+/// The shadow ray of a light sample: to a point moved off its light, or to infinity.
+#[inline(always)]
+fn light_ray<R: Real>(surface: &Surface<R>, light: &LightSample<R>) -> Ray<R> {
+    let origin = surface.leave(light.wi);
+    let target = offset_origin(light.target, light.target_error, light.ng, -light.wi);
+    let to_point = shadow_ray(origin, target);
+    Ray {
+        origin,
+        direction: Vec3::select(light.is_environment, light.wi, to_point.direction),
+        t_max: R::select(light.is_environment, R::splat(f32::INFINITY), to_point.t_max),
+    }
 }
 
 /// Samples the material and sends the path on, or ends it.
@@ -253,11 +267,11 @@ fn scatter<R: Real, S: ShadingKind, P: Probe>(
     surface: &Surface<R>,
     frame: &Frame<R>,
     wo: Vec3<R>,
-    u: &[R; BOUNCE_DIMENSIONS],
+    u: &[R; BOUNCE],
     scatters: R::Mask,
     probe: &mut P,
 ) {
-    let sample = surface.material.sample::<S>(wo, u[BSDF_LOBE], [u[BSDF_U], u[BSDF_V]], scatters);
+    let sample = surface.material.sample::<S>(wo, u[BSDF_LOBE], [u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]], scatters);
     let direction = frame.to_world(sample.wi);
     let goes_on = scatters & sample.valid & same_side(sample.wi.z, surface.ng.dot(direction));
     let lanes = paths.lanes(goes_on);
@@ -268,7 +282,7 @@ fn scatter<R: Real, S: ShadingKind, P: Probe>(
     paths.eta_squared = paths.eta_squared * sample.eta * sample.eta;
     paths.alive = goes_on & paths.beta.max_component().gt(R::zero());
     paths.ray = Ray {
-        origin: offset_origin(surface.point, surface.error, surface.ng, direction),
+        origin: surface.leave(direction),
         direction,
         t_max: R::splat(f32::INFINITY),
     };

@@ -2,14 +2,12 @@
 
 use super::material::MaterialAt;
 use super::world::World;
-use crate::geometry::{Hit, Ray};
+use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin, sphere_point, triangle_point};
 use crate::lane::{Bits, Mask, Real, Vec3};
 
 /// Where a packet's rays met the scene.
 pub struct Surface<R: Real> {
-    pub point: Vec3<R>,
-    /// Bound on the error of `point`, per axis.
-    pub error: Vec3<R>,
+    pub at: SurfacePoint<R>,
     /// Unit geometric normal: front of triangles (counter-clockwise), outside of spheres.
     pub ng: Vec3<R>,
     /// Unit shading normal.
@@ -17,8 +15,8 @@ pub struct Surface<R: Real> {
     pub material: MaterialAt<R>,
     /// Lanes that hit a sphere.
     pub on_sphere: R::Mask,
-    /// Probability of choosing this triangle as a light, over its area; 0 where it does not emit.
-    pub light_pdf_area: R,
+    /// What light sampling keeps of this primitive: see [`Lights::emitter_pdf_row`](crate::light::Lights::emitter_pdf_row).
+    pub light_row: R,
 }
 
 impl<R: Real> Surface<R> {
@@ -35,25 +33,20 @@ impl<R: Real> Surface<R> {
         }
         let on_triangle = active & !on_sphere;
         let triangle = world.triangles.fetch::<R>(hit.primitive, on_triangle);
-        let (point, error) = triangle.point(hit.u, hit.v);
-        let [mut material, light_pdf_area] = world.triangle_tags.fetch::<R>(hit.primitive, on_triangle);
+        let [material, light_row] = world.tags.fetch::<R>(hit.primitive, active);
         let mut surface = Surface {
-            point,
-            error,
+            at: triangle_point(&triangle, hit.u, hit.v),
             ng: triangle.ng,
             ns: triangle.ng,
             material: MaterialAt::black(),
             on_sphere,
-            light_pdf_area,
+            light_row,
         };
         if world.plan.shading_normals {
             surface.interpolate_normal(world, hit, on_triangle);
         }
         if on_sphere.any() {
-            let index = hit.primitive - R::Bits::splat(world.triangle_count);
-            let [x, y, z, radius, sphere_material] = world.spheres.fetch::<R>(index, on_sphere);
-            surface.place_on_sphere(ray, hit, Vec3::new(x, y, z), radius);
-            material = R::select(on_sphere, sphere_material, material);
+            surface.place_on_sphere(world, ray, hit);
         }
         if world.plan.light_transport {
             surface.material = world.materials.fetch::<R>(material.to_int(), active);
@@ -75,11 +68,18 @@ impl<R: Real> Surface<R> {
     }
 
     #[inline(always)]
-    fn place_on_sphere(&mut self, ray: &Ray<R>, hit: &Hit<R>, center: Vec3<R>, radius: R) {
-        let (point, error, normal) = crate::geometry::sphere_point(ray, hit.t, center, radius);
-        self.point = Vec3::select(self.on_sphere, point, self.point);
-        self.error = Vec3::select(self.on_sphere, error, self.error);
+    fn place_on_sphere(&mut self, world: &World, ray: &Ray<R>, hit: &Hit<R>) {
+        let sphere = world.sphere_at(hit.primitive, self.on_sphere);
+        let (at, normal) = sphere_point(&sphere, ray.at(hit.t));
+        self.at.p = Vec3::select(self.on_sphere, at.p, self.at.p);
+        self.at.error = Vec3::select(self.on_sphere, at.error, self.at.error);
         self.ng = Vec3::select(self.on_sphere, normal, self.ng);
         self.ns = Vec3::select(self.on_sphere, normal, self.ns);
+    }
+
+    /// Where a ray towards `w` leaves.
+    #[inline(always)]
+    pub fn leave(&self, w: Vec3<R>) -> Vec3<R> {
+        offset_origin(self.at.p, self.at.error, self.ng, w)
     }
 }

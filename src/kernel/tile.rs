@@ -6,7 +6,7 @@ use crate::film::AovSample;
 use crate::geometry::{Hit, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::accel::Mode;
-use crate::sampling::dimensions::{FILM_X, FILM_Y};
+use crate::sampling::dimensions::PIXEL;
 use crate::sampling::{Xoshiro, sample_key};
 
 /// Pixels and samples to render together.
@@ -187,7 +187,7 @@ impl<'a, R: Real> CameraQueue<'a, R> {
             return None;
         }
         let u = rng.camera_dims();
-        let ray = self.world.camera.ray(x + u[FILM_X], y + u[FILM_Y]);
+        let ray = self.world.camera.ray(x + u[PIXEL], y + u[PIXEL + 1]);
         let hit = if trace { self.world.accel.trace::<R, M>(&ray, active) } else { Hit::miss(ray.t_max) };
         Some(CameraPacket { ray, hit, rng, slot, active })
     }

@@ -2,9 +2,10 @@
 
 use super::camera::Camera;
 use super::material::MaterialTable;
-use crate::accel::{Accel, BuildPreset};
-use crate::geometry::{Rows, TriangleRows};
-use crate::light::{Emitter, EmitterShape, Lights};
+use crate::accel::{Accel, BuildOptions, BuildReport, Preset};
+use crate::geometry::{Rows, SphereAt, SphereRows, TriangleRows};
+use crate::lane::{Bits, Real};
+use crate::light::{Emitter, EmitterShape, LightError, Lights};
 use crate::plan::{GeometryMode, Plan};
 use crate::scene::{FilmSize, Integrator, NO_NORMAL, Scene};
 use std::time::Instant;
@@ -21,12 +22,11 @@ pub struct World {
     pub accel: Accel,
     /// Vertex 0, edges, geometric normal of each triangle.
     pub triangles: TriangleRows,
-    /// Material index and, for emitters, choice probability / area, of each triangle.
-    pub triangle_tags: Rows<2>,
+    /// Material index, and what light sampling keeps of it, of each primitive.
+    pub tags: Rows<2>,
     /// Three unit normals a triangle; the geometric one where it has none. Empty unless the plan keeps them.
     pub normals: Rows<9>,
-    /// Centre, radius and material index of each sphere.
-    pub spheres: Rows<5>,
+    pub spheres: SphereRows,
     /// Triangles come first in primitive numbering; this many.
     pub triangle_count: u32,
     pub materials: MaterialTable,
@@ -42,49 +42,48 @@ pub struct World {
 pub struct Setup {
     pub tree_seconds: f64,
     pub tables_seconds: f64,
-    pub geometry_bytes: usize,
+    pub tree: BuildReport,
+    pub row_bytes: usize,
 }
 
 /// Options of preparation that do not belong to the scene.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Prepare {
     pub seed: u64,
-    pub build: BuildPreset,
+    pub build: Preset,
 }
 
 impl World {
     /// Builds what the plan keeps.
-    pub fn new(scene: &Scene, plan: Plan, options: Prepare) -> World {
+    ///
+    /// # Errors
+    /// The lights cannot be tabulated (their power is not finite).
+    pub fn new(scene: &Scene, plan: Plan, options: Prepare) -> Result<World, LightError> {
         let start = Instant::now();
         let scale = power_of_two_scale(scene);
         let positions: Vec<[f32; 3]> = scene.mesh.positions.iter().map(|p| p.map(|x| x * scale)).collect();
         let spheres: Vec<([f32; 3], f32)> =
             scene.spheres.iter().map(|s| (s.center.map(|x| x * scale), s.radius * scale)).collect();
-        let tree = (plan.geometry == GeometryMode::Tree).then_some(options.build);
-        let accel = Accel::build(&positions, &scene.mesh.triangles, &spheres, tree);
+        let build = match plan.geometry {
+            GeometryMode::Brute => BuildOptions::lists(),
+            GeometryMode::Tree => BuildOptions::trees(options.build),
+        };
+        let accel = Accel::build(&positions, &scene.mesh.triangles, &spheres, build);
         let tree_seconds = start.elapsed().as_secs_f64();
 
         let start = Instant::now();
         let triangles = TriangleRows::new(&positions, &scene.mesh.triangles);
-        let lights = plan.light_transport.then(|| build_lights(scene, &plan, &positions, &spheres)).flatten();
-        let tag = |primitive: usize, material: u32| {
-            [material as f32, lights.as_ref().map_or(0.0, |l| l.emitter_pdf_area(primitive as u32))]
-        };
-        let triangle_tags = Rows::from_fn(if plan.light_transport { scene.mesh.triangles.len() } else { 0 }, |i| {
-            tag(i, scene.mesh.material[i])
-        });
-        let normals = if plan.shading_normals { normal_rows(scene, &triangles) } else { Rows::from_fn(0, |_| [0.0; 9]) };
-        let sphere_rows = Rows::from_fn(spheres.len(), |i| {
-            let (c, r) = spheres[i];
-            [c[0], c[1], c[2], r, scene.spheres[i].material as f32]
-        });
+        let lights = if plan.light_transport { build_lights(scene, &plan, &positions, &spheres)? } else { None };
+        let tags = if plan.light_transport { tag_rows(scene, lights.as_ref()) } else { Rows::new(Vec::new()) };
+        let normals = Rows::new(if plan.shading_normals { normal_rows(scene) } else { Vec::new() });
         let materials = MaterialTable::new(if plan.light_transport { &scene.materials } else { &[] });
         let setup = Setup {
             tree_seconds,
             tables_seconds: start.elapsed().as_secs_f64(),
-            geometry_bytes: accel.bytes() + triangles.bytes() + normals.bytes(),
+            tree: accel.report().clone(),
+            row_bytes: triangles.bytes() + tags.bytes() + normals.bytes(),
         };
-        World {
+        Ok(World {
             camera: Camera::new(&scene.camera, scene.film, scale),
             film: scene.film,
             integrator: scene.integrator,
@@ -92,16 +91,22 @@ impl World {
             seed: options.seed,
             accel,
             triangles,
-            triangle_tags,
+            tags,
             normals,
-            spheres: sphere_rows,
+            spheres: SphereRows::new(&spheres),
             triangle_count: scene.mesh.triangles.len() as u32,
             materials,
             lights,
             unit: scale.recip(),
             plan,
             setup,
-        }
+        })
+    }
+
+    /// The spheres that lanes hit.
+    #[inline(always)]
+    pub fn sphere_at<R: Real>(&self, primitive: R::Bits, on_sphere: R::Mask) -> SphereAt<R> {
+        self.spheres.fetch::<R>(primitive - R::Bits::splat(self.triangle_count), on_sphere)
     }
 }
 
@@ -131,7 +136,7 @@ fn build_lights(
     plan: &Plan,
     positions: &[[f32; 3]],
     spheres: &[([f32; 3], f32)],
-) -> Option<Lights> {
+) -> Result<Option<Lights>, LightError> {
     let emits = |m: u32| scene.materials[m as usize].emission.iter().any(|&e| e > 0.0);
     let triangle = |i: usize| {
         let [a, b, c] = scene.mesh.triangles[i].map(|v| positions[v as usize]);
@@ -150,23 +155,29 @@ fn build_lights(
         }
     }
     let environment = scene.environment.as_ref().filter(|_| plan.environment);
-    let primitives = scene.mesh.triangles.len() + scene.spheres.len();
-    (!emitters.is_empty() || environment.is_some()).then(|| Lights::build(emitters, environment, primitives))
+    let lights = Lights::build(emitters, environment)?;
+    Ok(Some(lights).filter(|lights| !lights.is_empty()))
+}
+
+/// Primitive by primitive: triangles, then spheres.
+fn tag_rows(scene: &Scene, lights: Option<&Lights>) -> Rows<2> {
+    let materials = scene.mesh.material.iter().copied().chain(scene.spheres.iter().map(|s| s.material));
+    let light_row = |primitive: usize| lights.map_or(0.0, |lights| lights.emitter_pdf_row(primitive as u32));
+    Rows::new(materials.enumerate().map(|(i, material)| [material as f32, light_row(i)]).collect())
 }
 
 fn difference(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-fn normal_rows(scene: &Scene, triangles: &TriangleRows) -> Rows<9> {
+/// Three unit normals a triangle, zeros where it is shaded flat: [`Surface`](super::surface::Surface) then
+/// takes the geometric normal.
+fn normal_rows(scene: &Scene) -> Vec<[f32; 9]> {
     let mesh = &scene.mesh;
-    Rows::from_fn(mesh.triangles.len(), |i| {
-        let flat = triangles.normal(i);
-        let corner = |k: usize| match mesh.normal_indices[i][k] {
-            NO_NORMAL => flat,
-            n => mesh.normals[n as usize],
-        };
-        let [a, b, c] = [corner(0), corner(1), corner(2)];
+    let corner = |n: u32| if n == NO_NORMAL { [0.0; 3] } else { mesh.normals[n as usize] };
+    let row = |indices: &[u32; 3]| {
+        let [a, b, c] = indices.map(corner);
         [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]]
-    })
+    };
+    mesh.normal_indices.iter().map(row).collect()
 }
