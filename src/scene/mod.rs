@@ -3,6 +3,26 @@
 //! World: right-handed. Colours: linear RGB, Rec. 709 primaries. Radiance: W·sr⁻¹·m⁻² per channel. Lengths: the
 //! scene's own unit, not yet rescaled (that happens when a scene is prepared for the kernel).
 
+mod bare_model;
+mod domain;
+mod environment;
+mod error;
+mod load;
+mod materials;
+mod mesh_file;
+mod mtl;
+mod notes;
+mod obj;
+mod obj_feed;
+mod surroundings;
+mod toml_file;
+mod toml_material;
+mod toml_text;
+mod transform;
+
+pub use error::SceneError;
+pub use load::load;
+
 /// A validated scene. Every number in it is finite and inside its documented domain; every index is in range.
 #[derive(Clone, Debug)]
 pub struct Scene {

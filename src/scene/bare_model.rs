@@ -1,0 +1,125 @@
+//! A model without a scene file: camera and light are assumed, and the assumptions said.
+
+use super::error::SceneError;
+use super::materials::Materials;
+use super::mesh_file::add_obj;
+use super::notes::Notes;
+use super::surroundings::Surroundings;
+use super::toml_file::{DEFAULT_FILM, DEFAULT_INTEGRATOR};
+use super::{Bsdf, Camera, Environment, Material, Mesh, Scene, Sphere};
+use glam::DVec3;
+use std::path::Path;
+
+/// Full vertical field of view outside a model, in degrees.
+const OUTSIDE_VFOV: f64 = 40.0;
+/// Full vertical field of view inside a room, in degrees: wide, as there is no stepping back.
+const INSIDE_VFOV: f64 = 60.0;
+/// From where a model is looked at: from the front (+z), a little right and above.
+const OUTSIDE_VIEW: DVec3 = DVec3::new(0.5, 0.35, 1.0);
+/// How much of the picture is left free around a model.
+const MARGIN: f64 = 1.05;
+/// Eye height as a fraction of a room's: about 1.6 m under a ceiling at 2.6 m.
+const EYE_HEIGHT: f64 = 0.6;
+/// How far back from the middle towards the wall the camera stands in a room.
+const STEP_BACK: f64 = 0.9;
+
+/// Loads an OBJ file and completes it to a scene.
+pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> {
+    let mut mesh = Mesh::default();
+    let mut materials = Materials::default();
+    add_obj(&mut mesh, &mut materials, notes, file, None, false)?;
+    let (mut materials, _) = materials.finish();
+    let around = Surroundings::of(&mesh);
+    let is_room = around.is_room();
+    let (camera, free_behind) = if is_room { inside(&around, notes) } else { (outside(&around, notes), 0.0) };
+    if !camera.position.iter().chain(&camera.look_at).all(|c| c.is_finite()) || camera.position == camera.look_at {
+        let message = "no camera can frame the model: its extent is lost in single precision";
+        return Err(SceneError::whole(file, message, "place it near the origin, at a moderate scale"));
+    }
+    let mut spheres = Vec::new();
+    let mut environment = None;
+    if !materials.iter().any(|material| material.emission.iter().any(|&c| c > 0.0)) {
+        if is_room {
+            let (lamp, material) = lamp(&around, &camera, free_behind, materials.len() as u32, notes);
+            spheres.push(lamp);
+            materials.push(material);
+        } else {
+            notes.assume("nothing emits: a constant environment of radiance 1 lights the model".to_owned());
+            environment = Some(Environment::Constant([1.0; 3]));
+        }
+    }
+    Ok(Scene {
+        name: String::new(),
+        camera,
+        film: DEFAULT_FILM,
+        integrator: DEFAULT_INTEGRATOR,
+        environment,
+        mesh,
+        spheres,
+        materials,
+        assumptions: Vec::new(),
+    })
+}
+
+/// The nearest place along [`OUTSIDE_VIEW`] from which all corners of the bounding box are in a square picture.
+fn outside(around: &Surroundings, notes: &mut Notes) -> Camera {
+    let backward = OUTSIDE_VIEW.normalize();
+    let right = DVec3::Y.cross(backward).normalize();
+    let up = backward.cross(right);
+    let slope = (OUTSIDE_VFOV / 2.0).to_radians().tan() / MARGIN;
+    let distance = around.corners().into_iter().map(|corner| {
+        let from_center = corner - around.center();
+        from_center.dot(backward) + from_center.dot(right).abs().max(from_center.dot(up).abs()) / slope
+    });
+    let distance = distance.fold(0.0, f64::max);
+    // A model of no extent is a point, seen from anywhere.
+    let distance = if distance > 0.0 { distance } else { 1.0 };
+    notes.assume(format!("the camera frames the bounding box from outside: +y is up, vfov {OUTSIDE_VFOV}"));
+    camera(around.center() + backward * distance, around.center(), OUTSIDE_VFOV)
+}
+
+/// Inside a room, and how much room there is between the camera and the wall behind it.
+fn inside(around: &Surroundings, notes: &mut Notes) -> (Camera, f64) {
+    let size = around.size();
+    let middle = around.center() + DVec3::Y * ((EYE_HEIGHT - 0.5) * size.y);
+    let (axis, half, name) =
+        if size.x >= size.z { (DVec3::X, size.x / 2.0, 'x') } else { (DVec3::Z, size.z / 2.0, 'z') };
+    let free = |direction| around.nearest(middle, direction).map_or(half, |hit| hit.t);
+    // Of the two ends, the one with more space to step back.
+    let (behind, back, sign) =
+        if free(-axis) >= free(axis) { (free(-axis), -axis, '+') } else { (free(axis), axis, '-') };
+    notes.assume(format!(
+        "the model encloses its centre: the camera stands inside at {:.0} % of its height and looks along {sign}{name}: \
+         +y is up, vfov {INSIDE_VFOV}",
+        EYE_HEIGHT * 100.0
+    ));
+    let position = middle + back * (behind * STEP_BACK);
+    (camera(position, middle, INSIDE_VFOV), behind * (1.0 - STEP_BACK))
+}
+
+/// A small lamp behind and above the camera that gives the middle of the room about the irradiance π of a constant
+/// environment of radiance 1.
+fn lamp(around: &Surroundings, camera: &Camera, free: f64, material: u32, notes: &mut Notes) -> (Sphere, Material) {
+    let [position, middle] = [camera.position, camera.look_at].map(|p| DVec3::from(p.map(f64::from)));
+    let backward = (position - middle).normalize();
+    let radius = 0.2 * free.min(around.size().y);
+    let center = position + (backward + DVec3::Y) * (2.0 * radius);
+    // A sphere of radiance L irradiates a patch that faces it from distance d by π L (r/d)².
+    let radiance = (center.distance(middle) / radius).powi(2) as f32;
+    notes.assume(format!(
+        "nothing emits: a spherical lamp behind the camera, radius {radius:.3}, radiance {radiance:.3}, lights the room"
+    ));
+    let emission = [radiance; 3];
+    let material_of_lamp =
+        Material { name: "lamp".to_owned(), bsdf: Bsdf::Diffuse { reflectance: [0.0; 3] }, emission };
+    (Sphere { center: center.as_vec3().to_array(), radius: radius as f32, material }, material_of_lamp)
+}
+
+fn camera(position: DVec3, look_at: DVec3, vfov: f64) -> Camera {
+    Camera {
+        position: position.as_vec3().to_array(),
+        look_at: look_at.as_vec3().to_array(),
+        up: [0.0, 1.0, 0.0],
+        vfov: vfov as f32,
+    }
+}

@@ -1,0 +1,27 @@
+//! The sets that numbers in input files must lie in.
+
+/// A set of numbers with the words an error message uses for it.
+pub(super) struct Domain {
+    contains: fn(f32) -> bool,
+    pub words: &'static str,
+}
+
+pub(super) const FINITE: Domain = Domain { contains: f32::is_finite, words: "finite in single precision" };
+pub(super) const POSITIVE: Domain = Domain { contains: |x| x.is_finite() && x > 0.0, words: "finite and > 0" };
+pub(super) const NON_NEGATIVE: Domain = Domain { contains: |x| x.is_finite() && x >= 0.0, words: "finite and >= 0" };
+pub(super) const UNIT: Domain = Domain { contains: |x| (0.0..=1.0).contains(&x), words: "in [0, 1]" };
+pub(super) const FIELD_OF_VIEW: Domain =
+    Domain { contains: |x| x > 0.0 && x < 180.0, words: "an angle in degrees, > 0 and < 180" };
+
+impl Domain {
+    /// `value` rounded to single precision, where that lies in the domain.
+    pub fn admit(&self, value: f64) -> Option<f32> {
+        let rounded = value as f32;
+        (self.contains)(rounded).then_some(rounded)
+    }
+
+    /// All three rounded to single precision, where all lie in the domain.
+    pub fn admit3(&self, [x, y, z]: [f64; 3]) -> Option<[f32; 3]> {
+        Some([self.admit(x)?, self.admit(y)?, self.admit(z)?])
+    }
+}

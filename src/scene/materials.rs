@@ -1,0 +1,126 @@
+//! Which material a name means, and its index in the scene.
+
+use super::error::SceneError;
+use super::load::beside;
+use super::mtl::{ASSUMED_GREY, Library};
+use super::notes::Notes;
+use super::obj_feed::{MaterialUse, Outline};
+use super::{Bsdf, Material};
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+
+/// The scene's materials as they come into use: [`Scene::materials`](super::Scene::materials) holds no others.
+#[derive(Default)]
+pub(super) struct Materials {
+    used: Vec<Material>,
+    /// The `[materials]` of a scene file.
+    defined: BTreeMap<String, Material>,
+    /// Index by the MTL file a material came from (none: `[materials]`, or the assumed grey) and its name.
+    indices: HashMap<(Option<PathBuf>, String), u32>,
+}
+
+impl Materials {
+    pub fn new(defined: BTreeMap<String, Material>) -> Self {
+        Self { defined, ..Self::default() }
+    }
+
+    /// A material of `[materials]`.
+    pub fn defined(&mut self, name: &str) -> Option<u32> {
+        let material = self.defined.get(name)?.clone();
+        Some(self.index(None, material))
+    }
+
+    /// What a face is made of that names no material.
+    pub fn grey(&mut self, file: &Path, notes: &mut Notes) -> u32 {
+        notes.assume(format!("{}: faces without a material are diffuse, reflectance {ASSUMED_GREY}", file.display()));
+        // No material can be defined under the empty name in an OBJ file.
+        self.index(
+            None,
+            Material {
+                name: String::new(),
+                bsdf: Bsdf::Diffuse { reflectance: [ASSUMED_GREY; 3] },
+                emission: [0.0; 3],
+            },
+        )
+    }
+
+    /// The index of each of an OBJ file's materials; those that no face wears get one that no triangle will bear.
+    pub fn of_mesh(&mut self, file: &Path, outline: &Outline, notes: &mut Notes) -> Result<Vec<u32>, SceneError> {
+        let libraries = Libraries::read(file, outline)?;
+        outline
+            .materials
+            .iter()
+            .map(|wanted| match self.defined(&wanted.name) {
+                _ if !wanted.worn => Ok(u32::MAX),
+                Some(index) => Ok(index),
+                None => {
+                    let (library, material) = libraries.material(file, wanted, notes)?;
+                    Ok(self.index(Some(library), material))
+                }
+            })
+            .collect()
+    }
+
+    /// All materials in use, and the names of those defined in vain.
+    pub fn finish(self) -> (Vec<Material>, Vec<String>) {
+        let Self { used, mut defined, indices } = self;
+        for (origin, name) in indices.keys() {
+            if origin.is_none() {
+                defined.remove(name);
+            }
+        }
+        (used, defined.into_keys().collect())
+    }
+
+    fn index(&mut self, origin: Option<PathBuf>, material: Material) -> u32 {
+        *self.indices.entry((origin, material.name.clone())).or_insert_with(|| {
+            self.used.push(material);
+            (self.used.len() - 1) as u32
+        })
+    }
+}
+
+/// The MTL files an OBJ file names: those that could be read, and why the others could not.
+struct Libraries {
+    read: Vec<Library>,
+    missing: Vec<SceneError>,
+}
+
+impl Libraries {
+    fn read(obj: &Path, outline: &Outline) -> Result<Self, SceneError> {
+        let mut libraries = Self { read: Vec::new(), missing: Vec::new() };
+        for (name, _) in &outline.libraries {
+            match Library::read(beside(obj, name)) {
+                Ok(library) => libraries.read.push(library),
+                // Without a line, the file itself is at fault: that matters only if a material is missed.
+                Err(error) if error.line.is_none() => libraries.missing.push(error),
+                Err(error) => return Err(error),
+            }
+        }
+        for error in &libraries.missing {
+            log::warn!("{}: {}: {}", obj.display(), error.file.display(), error.message);
+        }
+        Ok(libraries)
+    }
+
+    fn material(&self, obj: &Path, wanted: &MaterialUse, notes: &mut Notes) -> Result<(PathBuf, Material), SceneError> {
+        let found = |library: &Library| Some((library.file.clone(), library.material(&wanted.name, notes)?));
+        match self.read.iter().rev().find_map(found) {
+            Some((file, material)) => Ok((file, material?)),
+            None => {
+                let name = &wanted.name;
+                let why = match (self.missing.first(), self.read.is_empty()) {
+                    (Some(missing), _) => format!(" ({} {})", missing.file.display(), missing.message),
+                    (None, true) => " (the file names no `mtllib`)".to_owned(),
+                    (None, false) => String::new(),
+                };
+                Err(SceneError::at(
+                    obj,
+                    wanted.line,
+                    format!("material `{name}` is not defined{why}"),
+                    format!("add it to an MTL file named by `mtllib`, or [materials.{name}] to a scene file"),
+                ))
+            }
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! Wavefront MTL through tobj, and what its materials mean here.
+
+use super::domain::{Domain, NON_NEGATIVE, POSITIVE, UNIT};
+use super::error::SceneError;
+use super::notes::Notes;
+use super::{Bsdf, ConductorFresnel, Masking, Material};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The materials of one MTL file.
+pub(super) struct Library {
+    pub file: PathBuf,
+    entries: Vec<Entry>,
+}
+
+struct Entry {
+    parsed: tobj::Material,
+    /// Where each key was set last.
+    lines: BTreeMap<String, usize>,
+}
+
+impl Library {
+    /// Reads an MTL file and checks its form; whether values lie in their domain is asked of materials in use only.
+    pub fn read(file: PathBuf) -> Result<Self, SceneError> {
+        let bytes = std::fs::read(&file).map_err(|error| SceneError::unreadable(&file, &error))?;
+        let text = String::from_utf8_lossy(&bytes);
+        let (canonical, lines) = check(&file, text.trim_start_matches('\u{feff}'))?;
+        let (parsed, _) = tobj::load_mtl_buf(&mut canonical.as_bytes()).map_err(|error| {
+            SceneError::whole(&file, format!("cannot be read: {error}"), "export the materials again")
+        })?;
+        let entries = parsed.into_iter().zip(lines).map(|(parsed, lines)| Entry { parsed, lines }).collect();
+        Ok(Self { file, entries })
+    }
+
+    /// The material of that name; the last one, where several bear it. `None` where there is none.
+    pub fn material(&self, name: &str, notes: &mut Notes) -> Option<Result<Material, SceneError>> {
+        let entry = self.entries.iter().rfind(|entry| entry.parsed.name == name)?;
+        Some(Reading { file: &self.file, entry, notes }.material())
+    }
+}
+
+const COLOURS: [&str; 5] = ["Ka", "Kd", "Ks", "Ke", "Tf"];
+const SCALARS: [&str; 12] = ["Ns", "Ni", "d", "Tr", "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso", "anisor", "sharpness"];
+
+/// Checks every line. Returns a text that tobj reads without panicking (it does on a colour of fewer than three
+/// numbers), and for each material the lines of its keys.
+fn check(file: &Path, text: &str) -> Result<(String, Vec<BTreeMap<String, usize>>), SceneError> {
+    let mut canonical = String::new();
+    let mut materials: Vec<BTreeMap<String, usize>> = Vec::new();
+    for (number, raw) in (1..).zip(text.lines()) {
+        let (key, value) = raw.trim().split_once(char::is_whitespace).unwrap_or((raw.trim(), ""));
+        let value = value.trim();
+        if key.is_empty() || key.starts_with('#') {
+            continue;
+        }
+        if key == "newmtl" {
+            if value.is_empty() {
+                return Err(SceneError::at(file, number, "`newmtl` without a name", "name the material"));
+            }
+            materials.push(BTreeMap::new());
+        }
+        let Some(lines) = materials.last_mut() else {
+            return Err(SceneError::at(file, number, format!("`{key}` before any `newmtl`"), "name a material first"));
+        };
+        lines.insert(key.to_owned(), number);
+        let value = canonical_value(key, value)
+            .map_err(|(message, mend)| SceneError::at(file, number, format!("`{key}` {message}"), mend))?;
+        canonical.push_str(&format!("{key} {value}\n"));
+    }
+    Ok((canonical, materials))
+}
+
+fn canonical_value(key: &str, value: &str) -> Result<String, (String, &'static str)> {
+    let bare = value.split('#').next().unwrap_or_default();
+    if COLOURS.contains(&key) {
+        let words: Vec<&str> = bare.split_whitespace().collect();
+        match words[..] {
+            [grey] if finite(grey) => Ok(format!("{grey} {grey} {grey}")),
+            [r, g, b] if [r, g, b].into_iter().all(finite) => Ok(format!("{r} {g} {b}")),
+            _ => Err((
+                format!("takes three finite numbers, not `{value}`"),
+                "write red, green and blue, linear Rec. 709",
+            )),
+        }
+    } else if SCALARS.contains(&key) {
+        match bare.trim() {
+            word if finite(word) => Ok(word.to_owned()),
+            word => Err((format!("takes one finite number, not `{word}`"), "write a number")),
+        }
+    } else if key == "illum" {
+        match bare.trim().parse::<u8>() {
+            Ok(model) if model <= 10 => Ok(model.to_string()),
+            _ => Err((format!("takes a whole number from 0 to 10, not `{value}`"), "write 2 for an opaque material")),
+        }
+    } else if key != "newmtl" && value.is_empty() {
+        Err(("has no value".to_owned(), "give it one or remove the line"))
+    } else {
+        Ok(value.to_owned())
+    }
+}
+
+fn finite(word: &str) -> bool {
+    word.parse::<f32>().is_ok_and(f32::is_finite)
+}
+
+/// One material on its way to meaning something.
+struct Reading<'a> {
+    file: &'a Path,
+    entry: &'a Entry,
+    notes: &'a mut Notes,
+}
+
+/// Roughness that is assumed where a metal gives none (`Pr`).
+const ASSUMED_ROUGHNESS: f32 = 0.5;
+/// Reflectance that is assumed where a material gives none (`Kd`).
+pub(super) const ASSUMED_GREY: f32 = 0.8;
+/// Index of refraction that is assumed where glass gives none (`Ni`).
+const ASSUMED_IOR: f32 = 1.5;
+
+impl Reading<'_> {
+    fn material(mut self) -> Result<Material, SceneError> {
+        let emission = self.colour("Ke", self.entry.parsed.emissive, &NON_NEGATIVE)?.unwrap_or_default();
+        let bsdf = self.bsdf()?;
+        self.pass_over();
+        Ok(Material { name: self.entry.parsed.name.clone(), bsdf, emission })
+    }
+
+    fn bsdf(&mut self) -> Result<Bsdf, SceneError> {
+        let parsed = &self.entry.parsed;
+        match parsed.illumination_model {
+            Some(4 | 6 | 7 | 9) => {
+                let ior = self.scalar("Ni", parsed.optical_density, &POSITIVE)?;
+                let ior = ior.unwrap_or_else(|| self.assume("index of refraction (Ni)", ASSUMED_IOR));
+                return Ok(Bsdf::Dielectric { alpha: 0.0, masking: Masking::Correlated, ior });
+            }
+            Some(5) => {
+                let reflectance = self.colour("Ks", parsed.specular, &UNIT)?.unwrap_or([1.0; 3]);
+                return Ok(conductor(0.0, ConductorFresnel::Constant { reflectance }));
+            }
+            _ => {}
+        }
+        if self.parameter("d", parsed.dissolve).is_some_and(|d| d < 1.0) {
+            self.warn("d", "transparency (d < 1) is not rendered yet: the surface is opaque");
+        }
+        if self.unknown("Tr").is_some_and(|tr| tr > 0.0) {
+            self.warn("Tr", "transparency (Tr > 0) is not rendered yet: the surface is opaque");
+        }
+        let metallic = self.scalar("Pm", self.unknown("Pm"), &UNIT)?.is_some_and(|metallic| metallic >= 0.5);
+        let albedo = self.colour("Kd", parsed.diffuse, &UNIT)?;
+        let albedo = albedo.unwrap_or_else(|| [self.assume("diffuse reflectance (Kd)", ASSUMED_GREY); 3]);
+        if metallic {
+            let roughness = self.scalar("Pr", self.unknown("Pr"), &UNIT)?;
+            let roughness = roughness.unwrap_or_else(|| self.assume("roughness (Pr)", ASSUMED_ROUGHNESS));
+            return Ok(conductor(roughness * roughness, ConductorFresnel::Schlick { f0: albedo }));
+        }
+        if self.entry.lines.contains_key("Pr") {
+            self.warn("Pr", "coated materials are not rendered yet: only the diffuse part is");
+        } else if parsed.specular.is_some_and(|ks| ks != [0.0; 3]) && parsed.shininess.is_some_and(|ns| ns > 0.0) {
+            self.warn("Ks", "glossy (Phong) reflection is not rendered yet: only the diffuse part is");
+        }
+        Ok(Bsdf::Diffuse { reflectance: albedo })
+    }
+
+    /// Warns of the keys that change nothing for any material yet.
+    fn pass_over(&mut self) {
+        for key in self.entry.lines.keys() {
+            let why = match key.as_str() {
+                "newmtl" | "Kd" | "Ks" | "Ke" | "Ns" | "Ni" | "d" | "Tr" | "illum" | "Pm" | "Pr" => continue,
+                "Ka" if self.entry.parsed.ambient == Some([0.0; 3]) => continue,
+                "Ka" => "ambient light is computed, not given",
+                key if self.unknown(key) == Some(0.0) => continue,
+                "bump" | "norm" | "disp" | "decal" | "refl" => "textures are not rendered yet",
+                key if key.starts_with("map_") => "textures are not rendered yet",
+                _ => "no material here has such a property",
+            };
+            self.notes.not_honoured(self.file, self.entry.lines[key], key, why);
+        }
+    }
+
+    fn warn(&mut self, key: &str, why: &str) {
+        self.notes.not_honoured(self.file, self.line(key), key, why);
+    }
+
+    fn assume(&mut self, what: &str, value: f32) -> f32 {
+        let name = &self.entry.parsed.name;
+        self.notes.assume(format!("material `{name}` gives no {what}: {value} is assumed"));
+        value
+    }
+
+    fn line(&self, key: &str) -> usize {
+        self.entry.lines.get(key).copied().unwrap_or(1)
+    }
+
+    /// A key that tobj keeps as text.
+    fn unknown(&self, key: &str) -> Option<f32> {
+        self.entry.parsed.unknown_param.get(key)?.parse().ok()
+    }
+
+    fn parameter(&self, key: &str, value: Option<f32>) -> Option<f32> {
+        value.filter(|_| self.entry.lines.contains_key(key))
+    }
+
+    fn scalar(&self, key: &str, value: Option<f32>, domain: &Domain) -> Result<Option<f32>, SceneError> {
+        let Some(value) = self.parameter(key, value) else { return Ok(None) };
+        if domain.admit(value.into()).is_none() {
+            let message = format!("`{key}` = {value} is not {}", domain.words);
+            return Err(SceneError::at(
+                self.file,
+                self.line(key),
+                message,
+                "change it, or replace the material in a scene file",
+            ));
+        }
+        Ok(Some(value))
+    }
+
+    fn colour(&self, key: &str, value: Option<[f32; 3]>, domain: &Domain) -> Result<Option<[f32; 3]>, SceneError> {
+        for channel in value.into_iter().flatten() {
+            self.scalar(key, Some(channel), domain)?;
+        }
+        Ok(value)
+    }
+}
+
+fn conductor(alpha: f32, fresnel: ConductorFresnel) -> Bsdf {
+    Bsdf::Conductor { alpha, masking: Masking::Correlated, fresnel }
+}

@@ -1,0 +1,335 @@
+//! What tobj is given to read: an OBJ file line by line, checked, and in a canonical form.
+//!
+//! tobj names no line in its errors, accepts NaN, panics on some bad indices, and invents normals and materials where
+//! a face has none. So each line is judged here first, where its number is known, and only what octolux renders goes
+//! on: `v`, `vn`, `f`, and a number in place of each material's name.
+
+use super::domain::FINITE;
+use super::error::SceneError;
+use super::notes::Notes;
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::fmt::Write as _;
+use std::io::{BufRead, Read};
+use std::ops::Range;
+use std::path::Path;
+
+/// A `usemtl` name.
+pub(super) struct MaterialUse {
+    pub name: String,
+    /// The line that named it first.
+    pub line: usize,
+    /// Does any face wear it?
+    pub worn: bool,
+}
+
+/// What was learnt on the way.
+#[derive(Default)]
+pub(super) struct Outline {
+    /// `mtllib` names with their lines.
+    pub libraries: Vec<(String, usize)>,
+    /// In order of first use: tobj's material index.
+    pub materials: Vec<MaterialUse>,
+    /// Do faces come before the first `usemtl`?
+    pub has_bare_faces: bool,
+    /// Runs of triangles (in file order) without a normal at every corner.
+    pub flat: Vec<Range<usize>>,
+    pub triangles: usize,
+    pub positions: usize,
+    pub normals: usize,
+    texcoords: usize,
+    /// The largest index of positions, texture coordinates and normals (from 1) that any face named, with its line.
+    largest: [(usize, usize); 3],
+    pub error: Option<SceneError>,
+}
+
+/// More of anything than this is an error: indices must fit 32 bits with [`NO_NORMAL`](super::NO_NORMAL) left over.
+const MOST: usize = u32::MAX as usize - 1;
+
+/// The kinds of index in a face corner, in the order they are written.
+const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
+
+/// A reader of canonical lines. The outline is shared with the caller, who loses sight of the feed inside tobj.
+pub(super) struct Feed<'a, B> {
+    source: B,
+    file: &'a Path,
+    notes: &'a mut Notes,
+    outline: &'a RefCell<Outline>,
+    numbers: HashMap<String, usize>,
+    current: Option<usize>,
+    smoothing: bool,
+    line: usize,
+    raw: Vec<u8>,
+    ready: String,
+    taken: usize,
+}
+
+impl<'a, B: BufRead> Feed<'a, B> {
+    pub fn new(source: B, file: &'a Path, notes: &'a mut Notes, outline: &'a RefCell<Outline>) -> Self {
+        Self {
+            source,
+            file,
+            notes,
+            outline,
+            numbers: HashMap::new(),
+            current: None,
+            smoothing: false,
+            line: 0,
+            raw: Vec::new(),
+            ready: String::new(),
+            taken: 0,
+        }
+    }
+
+    /// Puts the next canonical lines into `ready`; leaves it empty at the end of the file and after an error.
+    fn refill(&mut self) -> std::io::Result<()> {
+        const ENOUGH: usize = 1 << 15;
+        self.ready.clear();
+        self.taken = 0;
+        let shared = self.outline;
+        let outline = &mut *shared.borrow_mut();
+        while self.ready.len() < ENOUGH && outline.error.is_none() {
+            self.raw.clear();
+            if self.source.read_until(b'\n', &mut self.raw)? == 0 {
+                break;
+            }
+            self.line += 1;
+            // Only names and comments hold other than ASCII; a name in another encoding stays equal to itself.
+            let raw = std::mem::take(&mut self.raw);
+            let text = String::from_utf8_lossy(&raw);
+            let text = if self.line == 1 { text.trim_start_matches('\u{feff}') } else { &text };
+            if let Err((message, mend)) = self.judge(text, outline) {
+                outline.error = Some(SceneError::at(self.file, self.line, message, mend));
+                self.ready.clear();
+            }
+            self.raw = raw;
+        }
+        Ok(())
+    }
+
+    fn judge(&mut self, text: &str, outline: &mut Outline) -> Result<(), (String, String)> {
+        let text = text.trim();
+        let (key, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+        match key {
+            "" => Ok(()),
+            comment if comment.starts_with('#') => Ok(()),
+            "v" => self.position(rest, outline),
+            "vn" => self.normal(rest, outline),
+            "vt" => texcoord(rest, outline),
+            "f" => self.face(rest, outline),
+            "usemtl" => self.material(rest.trim(), outline),
+            "mtllib" if rest.trim().is_empty() => fail("`mtllib` names no file", "name the .mtl file after it"),
+            "mtllib" => {
+                outline.libraries.push((rest.trim().to_owned(), self.line));
+                Ok(())
+            }
+            "s" => {
+                self.smoothing = !matches!(rest.trim(), "0" | "off");
+                Ok(())
+            }
+            "o" | "g" => Ok(()),
+            "l" | "p" => self.pass_over(key, "lines and points have no area"),
+            _ => self.pass_over(key, "only polygons are rendered"),
+        }
+    }
+
+    fn pass_over(&mut self, key: &str, why: &str) -> Result<(), (String, String)> {
+        self.notes.not_honoured(self.file, self.line, key, why);
+        Ok(())
+    }
+
+    fn position(&mut self, rest: &str, outline: &mut Outline) -> Result<(), (String, String)> {
+        self.ready.push('v');
+        let mut words = words(rest);
+        for _ in 0..3 {
+            let word = words.next().ok_or_else(|| broken("a vertex has three coordinates", "give x, y and z"))?;
+            if number(word).and_then(|x| FINITE.admit(x)).is_none() {
+                return fail(format!("`{word}` is not a finite number"), "give finite vertex coordinates");
+            }
+            self.ready.push(' ');
+            self.ready.push_str(word);
+        }
+        self.ready.push('\n');
+        match words.next().map(number) {
+            None | Some(Some(1.0)) => {}
+            _ => {
+                self.notes.not_honoured(self.file, self.line, "v", "what follows x y z (weight or colour) is not used")
+            }
+        }
+        outline.positions += 1;
+        within_32_bits(outline.positions, "vertices")
+    }
+
+    fn normal(&mut self, rest: &str, outline: &mut Outline) -> Result<(), (String, String)> {
+        self.ready.push_str("vn");
+        let mut words = words(rest);
+        for _ in 0..3 {
+            let word = words.next().ok_or_else(|| broken("a normal has three components", "give x, y and z"))?;
+            // NaN and infinity pass: exporters write them for degenerate faces, which are then shaded flat.
+            if number(word).is_none() {
+                return fail(format!("`{word}` is not a number"), "give three numbers, or leave the normal out");
+            }
+            self.ready.push(' ');
+            self.ready.push_str(word);
+        }
+        self.ready.push('\n');
+        outline.normals += 1;
+        within_32_bits(outline.normals, "normals")
+    }
+
+    fn face(&mut self, rest: &str, outline: &mut Outline) -> Result<(), (String, String)> {
+        self.ready.push('f');
+        let (mut corners, mut with_normal) = (0, 0);
+        for corner in words(rest) {
+            let [position, _, normal] = indices(corner, self.line, outline)?;
+            let Some(position) = position else {
+                return fail(format!("face corner `{corner}` names no vertex"), "write vertex[/texture[/normal]]");
+            };
+            corners += 1;
+            // Writing to a String cannot fail.
+            let _ = match normal {
+                Some(normal) => write!(self.ready, " {position}//{normal}"),
+                None => write!(self.ready, " {position}"),
+            };
+            with_normal += usize::from(normal.is_some());
+        }
+        self.ready.push('\n');
+        if corners < 3 {
+            return fail(format!("a face has at least 3 corners, this one {corners}"), "remove it or complete it");
+        }
+        if with_normal < corners {
+            if self.smoothing {
+                self.notes.not_honoured(self.file, self.line, "s", "faces without normals are shaded flat");
+            }
+            let run = outline.triangles..outline.triangles + corners - 2;
+            match outline.flat.last_mut() {
+                Some(last) if last.end == run.start => last.end = run.end,
+                _ => outline.flat.push(run),
+            }
+        }
+        match self.current {
+            Some(current) => outline.materials[current].worn = true,
+            None => outline.has_bare_faces = true,
+        }
+        outline.triangles += corners - 2;
+        within_32_bits(outline.triangles, "triangles")
+    }
+
+    fn material(&mut self, name: &str, outline: &mut Outline) -> Result<(), (String, String)> {
+        if name.is_empty() {
+            return fail("`usemtl` names no material", "name one after it, or remove the line");
+        }
+        let number = match self.numbers.get(name) {
+            Some(&number) => number,
+            None => {
+                let number = outline.materials.len();
+                self.numbers.insert(name.to_owned(), number);
+                outline.materials.push(MaterialUse { name: name.to_owned(), line: self.line, worn: false });
+                // tobj knows a material once a library has defined it: a new number announces itself.
+                let _ = writeln!(self.ready, "mtllib {number}");
+                number
+            }
+        };
+        let _ = writeln!(self.ready, "usemtl {number}");
+        self.current = Some(number);
+        Ok(())
+    }
+}
+
+impl Outline {
+    /// The error of an index beyond what the file holds, if there is one.
+    pub fn beyond_the_end(&self, file: &Path) -> Option<SceneError> {
+        let held = [self.positions, self.texcoords, self.normals];
+        (0..3).find(|&kind| self.largest[kind].0 > held[kind]).map(|kind| {
+            let ((index, line), what, held) = (self.largest[kind], KINDS[kind], held[kind]);
+            SceneError::at(
+                file,
+                line,
+                format!("{what} {index} does not exist: the file defines {held} up to where it is needed"),
+                "mend the index, or define what it means before the face",
+            )
+        })
+    }
+}
+
+fn texcoord(rest: &str, outline: &mut Outline) -> Result<(), (String, String)> {
+    if words(rest).next().and_then(number).is_none() {
+        return fail("a texture coordinate starts with a number", "give u and v");
+    }
+    outline.texcoords += 1;
+    within_32_bits(outline.texcoords, "texture coordinates")
+}
+
+/// The indices of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, made absolute, counted from 1.
+fn indices(corner: &str, line: usize, outline: &mut Outline) -> Result<[Option<usize>; 3], (String, String)> {
+    let defined = [outline.positions, outline.texcoords, outline.normals];
+    let mut found = [None; 3];
+    for (kind, word) in corner.split('/').enumerate() {
+        if kind > 2 {
+            return fail(format!("face corner `{corner}` has too many parts"), "write vertex[/texture[/normal]]");
+        }
+        if word.is_empty() {
+            continue;
+        }
+        let what = KINDS[kind];
+        let Ok(index) = word.parse::<i64>() else {
+            return fail(format!("`{word}` is not a {what} index"), "write a whole number, from 1 or negative");
+        };
+        let absolute = if index < 0 { defined[kind] as i64 + 1 + index.max(-(MOST as i64)) } else { index };
+        if absolute <= 0 || absolute > MOST as i64 {
+            return fail(
+                format!("{what} {index} does not exist: {} are defined so far", defined[kind]),
+                "count from 1, or back from -1 for the latest",
+            );
+        }
+        found[kind] = Some(absolute as usize);
+        if absolute as usize > outline.largest[kind].0 {
+            outline.largest[kind] = (absolute as usize, line);
+        }
+    }
+    Ok(found)
+}
+
+/// The words of a line of numbers; a comment may end it.
+fn words(rest: &str) -> impl Iterator<Item = &str> {
+    rest.split_whitespace().take_while(|word| !word.starts_with('#'))
+}
+
+/// As tobj will read it: in single precision.
+fn number(word: &str) -> Option<f64> {
+    word.parse::<f32>().ok().map(f64::from)
+}
+
+fn within_32_bits(count: usize, what: &str) -> Result<(), (String, String)> {
+    if count > MOST { fail(format!("more than {MOST} {what}"), "split the model") } else { Ok(()) }
+}
+
+fn broken(message: impl Into<String>, mend: impl Into<String>) -> (String, String) {
+    (message.into(), mend.into())
+}
+
+fn fail<T>(message: impl Into<String>, mend: impl Into<String>) -> Result<T, (String, String)> {
+    Err(broken(message, mend))
+}
+
+impl<B: BufRead> Read for Feed<'_, B> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let mut available = self.fill_buf()?;
+        let count = available.read(buffer)?;
+        self.consume(count);
+        Ok(count)
+    }
+}
+
+impl<B: BufRead> BufRead for Feed<'_, B> {
+    fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
+        if self.taken == self.ready.len() {
+            self.refill()?;
+        }
+        Ok(&self.ready.as_bytes()[self.taken..])
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.taken = (self.taken + count).min(self.ready.len());
+    }
+}

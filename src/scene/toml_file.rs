@@ -1,0 +1,281 @@
+//! `scene.toml`.
+
+use super::domain::{FIELD_OF_VIEW, FINITE, NON_NEGATIVE, POSITIVE};
+use super::error::SceneError;
+use super::load::beside;
+use super::materials::Materials;
+use super::mesh_file::add_obj;
+use super::notes::Notes;
+use super::toml_material::MaterialTable;
+use super::toml_text::{Colour, TomlText};
+use super::transform::Transform;
+use super::{
+    Camera, Environment, FilmSize, Integrator, IntegratorKind, Material, Mesh, Scene, Sphere, environment as image,
+};
+use glam::DVec3;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SceneTable {
+    camera: CameraTable,
+    film: Option<FilmTable>,
+    integrator: Option<IntegratorTable>,
+    environment: Option<Spanned<EnvironmentTable>>,
+    #[serde(default)]
+    mesh: Vec<MeshTable>,
+    #[serde(default)]
+    sphere: Vec<SphereTable>,
+    #[serde(default)]
+    materials: BTreeMap<Spanned<String>, MaterialTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CameraTable {
+    position: Spanned<[f64; 3]>,
+    look_at: Spanned<[f64; 3]>,
+    up: Option<Spanned<[f64; 3]>>,
+    vfov: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FilmTable {
+    width: Option<Spanned<i64>>,
+    height: Option<Spanned<i64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct IntegratorTable {
+    kind: Option<Spanned<String>>,
+    max_bounces: Option<Spanned<i64>>,
+    max_depth: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EnvironmentTable {
+    radiance: Option<Spanned<Colour>>,
+    file: Option<Spanned<String>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MeshTable {
+    file: Spanned<String>,
+    #[serde(default)]
+    flat: bool,
+    transform: Option<Spanned<[f64; 16]>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SphereTable {
+    center: Spanned<[f64; 3]>,
+    radius: Spanned<f64>,
+    material: Spanned<String>,
+}
+
+/// The longest side of a film.
+const LONGEST_SIDE: u32 = 65_536;
+/// The most pixels of a film: beyond, its sums alone would take tens of gigabytes.
+const MOST_PIXELS: u64 = 1 << 28;
+/// How light is followed where the scene does not say.
+pub(super) const DEFAULT_INTEGRATOR: Integrator =
+    Integrator { kind: IntegratorKind::Path, max_bounces: 7, max_depth: DEFAULT_MAX_DEPTH };
+/// The distance that the depth view shows as 0 where the scene does not say.
+const DEFAULT_MAX_DEPTH: f32 = 5.0;
+/// Film size where the scene does not say.
+pub(super) const DEFAULT_FILM: FilmSize = FilmSize { width: 512, height: 512 };
+
+/// Loads a scene file and the files it names.
+pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> {
+    let bytes = std::fs::read(file).map_err(|error| SceneError::unreadable(file, &error))?;
+    let text = std::str::from_utf8(&bytes).map_err(|error| {
+        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
+        SceneError::at(file, line, "is not UTF-8 text", "save the file as UTF-8")
+    })?;
+    let text = TomlText { file, text };
+    let table: SceneTable = toml::from_str(text.text).map_err(|error| text.complaint(&error))?;
+    let camera = camera(&table.camera, &text)?;
+    let film = film(table.film.as_ref(), &text)?;
+    let integrator = integrator(table.integrator.as_ref(), &text)?;
+    let mut materials = Materials::new(defined_materials(&table.materials, &text)?);
+    let spheres = spheres(&table.sphere, &mut materials, &text)?;
+    let environment = table.environment.map(|table| environment(&table, &text)).transpose()?;
+    let mut mesh = Mesh::default();
+    for table in &table.mesh {
+        add_mesh(table, &mut mesh, &mut materials, notes, &text)?;
+    }
+    let (materials, unused) = materials.finish();
+    for name in unused {
+        log::warn!("{}: material `{name}` is defined but nothing wears it", file.display());
+    }
+    Ok(Scene {
+        name: String::new(),
+        camera,
+        film,
+        integrator,
+        environment,
+        mesh,
+        spheres,
+        materials,
+        assumptions: Vec::new(),
+    })
+}
+
+fn camera(table: &CameraTable, text: &TomlText) -> Result<Camera, SceneError> {
+    let position = text.vector("position", &table.position, &FINITE)?;
+    let look_at = text.vector("look_at", &table.look_at, &FINITE)?;
+    let up = table.up.as_ref().map_or(Ok([0.0, 1.0, 0.0]), |up| text.vector("up", up, &FINITE))?;
+    let vfov = table.vfov.as_ref().map_or(Ok(40.0), |vfov| text.number("vfov", vfov, &FIELD_OF_VIEW))?;
+    let [position64, look_at64, up64] = [position, look_at, up].map(|v| DVec3::from(v.map(f64::from)));
+    let Some(forward) = (look_at64 - position64).try_normalize() else {
+        let message = "the camera stands at its target (`look_at` is `position`)";
+        return Err(text.error(table.look_at.span(), message, "look at another point"));
+    };
+    // Rounding to single precision turns the frame about the axis by some ε/sin: below 1e-4, by a visible milliradian.
+    let parallel = up64.try_normalize().is_none_or(|up| up.cross(forward).length() < 1e-4);
+    if parallel {
+        let place = table.up.as_ref().map_or(table.look_at.span(), Spanned::span);
+        return Err(text.error(place, "`up` is zero or parallel to the viewing direction", "give another `up`"));
+    }
+    Ok(Camera { position, look_at, up, vfov })
+}
+
+fn film(table: Option<&FilmTable>, text: &TomlText) -> Result<FilmSize, SceneError> {
+    let Some(table) = table else { return Ok(DEFAULT_FILM) };
+    let side = |key: &str, value: &Option<Spanned<i64>>, default: u32| {
+        let Some(value) = value else { return Ok(default) };
+        match u32::try_from(*value.as_ref()) {
+            Ok(side) if (1..=LONGEST_SIDE).contains(&side) => Ok(side),
+            _ => Err(text.error(
+                value.span(),
+                format!("a film cannot have `{key}` = {}", value.as_ref()),
+                format!("give 1 to {LONGEST_SIDE} pixels"),
+            )),
+        }
+    };
+    let width = side("width", &table.width, DEFAULT_FILM.width)?;
+    let height = side("height", &table.height, DEFAULT_FILM.height)?;
+    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+        let place = table.width.as_ref().or(table.height.as_ref()).map_or(0..0, Spanned::span);
+        let message = format!("a film of {width} x {height} pixels does not fit in memory");
+        return Err(text.error(place, message, format!("give at most {MOST_PIXELS} pixels")));
+    }
+    Ok(FilmSize { width, height })
+}
+
+fn integrator(table: Option<&IntegratorTable>, text: &TomlText) -> Result<Integrator, SceneError> {
+    let mut integrator = DEFAULT_INTEGRATOR;
+    let Some(table) = table else { return Ok(integrator) };
+    if let Some(kind) = &table.kind {
+        integrator.kind = match kind.as_ref().as_str() {
+            "path" => IntegratorKind::Path,
+            "direct" => IntegratorKind::Direct,
+            "normals" => IntegratorKind::Normals,
+            "depth" => IntegratorKind::Depth,
+            "hit" => IntegratorKind::Hit,
+            other => {
+                let message = format!("unknown integrator `{other}`");
+                return Err(text.error(kind.span(), message, "use path, direct, normals, depth or hit"));
+            }
+        };
+    }
+    if let Some(bounces) = &table.max_bounces {
+        integrator.max_bounces = u32::try_from(*bounces.as_ref()).map_err(|_| {
+            let message = format!("`max_bounces` = {} is out of range", bounces.as_ref());
+            text.error(bounces.span(), message, "give a whole number from 0 to 4294967295")
+        })?;
+    }
+    if let Some(depth) = &table.max_depth {
+        integrator.max_depth = text.number("max_depth", depth, &POSITIVE)?;
+    }
+    Ok(integrator)
+}
+
+fn defined_materials(
+    tables: &BTreeMap<Spanned<String>, MaterialTable>,
+    text: &TomlText,
+) -> Result<BTreeMap<String, Material>, SceneError> {
+    let read = |(name, table): (&Spanned<String>, &MaterialTable)| {
+        if name.as_ref().trim().is_empty() {
+            return Err(text.error(name.span(), "a material without a name", "name it: [materials.NAME]"));
+        }
+        Ok((name.as_ref().clone(), table.read(name.as_ref(), text)?))
+    };
+    tables.iter().map(read).collect()
+}
+
+fn spheres(tables: &[SphereTable], materials: &mut Materials, text: &TomlText) -> Result<Vec<Sphere>, SceneError> {
+    let read = |table: &SphereTable| {
+        let center = text.vector("center", &table.center, &FINITE)?;
+        let radius = text.number("radius", &table.radius, &POSITIVE)?;
+        if center.iter().any(|c| !(c.abs() + radius).is_finite()) {
+            return Err(text.error(table.radius.span(), "the sphere leaves single precision", "use smaller lengths"));
+        }
+        let name = table.material.as_ref();
+        let material = materials.defined(name).ok_or_else(|| {
+            let mend = format!("add [materials.{name}], or name another");
+            text.error(table.material.span(), format!("material `{name}` is not defined"), mend)
+        })?;
+        Ok(Sphere { center, radius, material })
+    };
+    tables.iter().map(read).collect()
+}
+
+fn environment(table: &Spanned<EnvironmentTable>, text: &TomlText) -> Result<Environment, SceneError> {
+    let EnvironmentTable { radiance, file } = table.as_ref();
+    let scale = radiance.as_ref().map(|radiance| text.colour("radiance", radiance, &NON_NEGATIVE)).transpose()?;
+    match (file, scale) {
+        (Some(file), scale) => {
+            let path = named_file(file, "an .exr image", "exr", text)?;
+            Ok(Environment::Image(image::read(&path, scale.unwrap_or([1.0; 3]))?))
+        }
+        (None, Some(radiance)) => Ok(Environment::Constant(radiance)),
+        (None, None) => Err(text.error(table.span(), "the environment is empty", "give it `radiance` or `file`")),
+    }
+}
+
+fn add_mesh(
+    table: &MeshTable,
+    mesh: &mut Mesh,
+    materials: &mut Materials,
+    notes: &mut Notes,
+    text: &TomlText,
+) -> Result<(), SceneError> {
+    let path = named_file(&table.file, "an .obj model", "obj", text)?;
+    let transform = match &table.transform {
+        None => None,
+        Some(rows) => {
+            if rows.as_ref().iter().any(|&element| FINITE.admit(element).is_none()) {
+                return Err(text.error(rows.span(), "`transform` holds numbers that are not finite", "mend them"));
+            }
+            let transform = Transform::from_rows(*rows.as_ref());
+            Some(transform.map_err(|(message, mend)| text.error(rows.span(), message, mend))?)
+        }
+    };
+    add_obj(mesh, materials, notes, &path, transform.as_ref(), table.flat)
+}
+
+/// The path of a file that the scene names: it must exist, and be of the kind that is read there.
+fn named_file(name: &Spanned<String>, kind: &str, extension: &str, text: &TomlText) -> Result<PathBuf, SceneError> {
+    let path = beside(text.file, name.as_ref());
+    if !path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension)) {
+        let message = format!("`{}` is not {kind}", name.as_ref());
+        return Err(text.error(name.span(), message, format!("name a .{extension} file")));
+    }
+    match path.metadata() {
+        Ok(metadata) if metadata.is_file() => Ok(path),
+        Ok(_) => Err(text.error(name.span(), format!("`{}` is not a file", path.display()), format!("name {kind}"))),
+        Err(error) => {
+            let message = format!("`{}` cannot be read: {error}", path.display());
+            Err(text.error(name.span(), message, "mend the path; it counts from the scene file's folder"))
+        }
+    }
+}

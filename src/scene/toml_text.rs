@@ -1,0 +1,113 @@
+//! Values of a TOML file with the place they stand at.
+
+use super::domain::Domain;
+use super::error::SceneError;
+use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
+use std::ops::Range;
+use std::path::Path;
+use toml::Spanned;
+
+/// A TOML file being read.
+pub(super) struct TomlText<'a> {
+    pub file: &'a Path,
+    pub text: &'a str,
+}
+
+impl TomlText<'_> {
+    /// An error at a place in the file.
+    pub fn error(&self, span: Range<usize>, message: impl Into<String>, mend: impl Into<String>) -> SceneError {
+        let before = self.text.as_bytes().get(..span.start).unwrap_or(self.text.as_bytes());
+        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        SceneError::at(self.file, line, message, mend)
+    }
+
+    /// What the parser or serde has to complain of, in our words.
+    pub fn complaint(&self, error: &toml::de::Error) -> SceneError {
+        let span = error.span().unwrap_or(0..0);
+        let message = error.message();
+        if let Some((key, known)) =
+            message.strip_prefix("unknown field ").and_then(|rest| rest.split_once(", expected "))
+        {
+            return self.error(
+                span,
+                format!("unknown key {key}"),
+                format!("known here: {}", known.replace("one of ", "")),
+            );
+        }
+        if let Some(key) = message.strip_prefix("missing field ") {
+            return self.error(span, format!("{key} is missing"), "add it");
+        }
+        let key = self.text.get(span.clone()).and_then(|_| self.key_at(span.start)).unwrap_or_default();
+        if let Some((what, wanted)) = message.rsplit_once(", expected ") {
+            return self.error(span, format!("{key}{what}"), format!("write {wanted}"));
+        }
+        self.error(span, format!("{key}{message}"), "mend the TOML here")
+    }
+
+    /// The key that is set on the line of a byte.
+    fn key_at(&self, offset: usize) -> Option<String> {
+        let line = self.text.get(..offset)?.rsplit('\n').next()?;
+        let key = line.split_once('=')?.0.trim();
+        let is_plain = !key.is_empty() && key.chars().all(|c| c.is_alphanumeric() || "_-.".contains(c));
+        is_plain.then(|| format!("`{key}`: "))
+    }
+
+    /// A number of the domain, in single precision.
+    pub fn number(&self, key: &str, value: &Spanned<f64>, domain: &Domain) -> Result<f32, SceneError> {
+        domain.admit(*value.as_ref()).ok_or_else(|| self.outside(key, value, domain))
+    }
+
+    /// A vector whose components are in the domain.
+    pub fn vector(&self, key: &str, value: &Spanned<[f64; 3]>, domain: &Domain) -> Result<[f32; 3], SceneError> {
+        domain.admit3(*value.as_ref()).ok_or_else(|| self.outside(key, value, domain))
+    }
+
+    /// A colour whose channels are in the domain.
+    pub fn colour(&self, key: &str, value: &Spanned<Colour>, domain: &Domain) -> Result<[f32; 3], SceneError> {
+        domain.admit3(value.as_ref().0).ok_or_else(|| self.outside(key, value, domain))
+    }
+
+    fn outside<T>(&self, key: &str, value: &Spanned<T>, domain: &Domain) -> SceneError {
+        let written = self.text.get(value.span()).unwrap_or_default();
+        self.error(value.span(), format!("`{key}` = {written} is out of range"), format!("it must be {}", domain.words))
+    }
+}
+
+/// Red, green and blue; written as three numbers, or as one for a grey.
+#[derive(Clone, Copy)]
+pub(super) struct Colour(pub [f64; 3]);
+
+impl<'de> Deserialize<'de> for Colour {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ColourVisitor)
+    }
+}
+
+struct ColourVisitor;
+
+impl<'de> Visitor<'de> for ColourVisitor {
+    type Value = Colour;
+
+    fn expecting(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
+        formatter.write_str("three numbers [red, green, blue], or one for a grey")
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Colour, E> {
+        Ok(Colour([value as f64; 3]))
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Colour, E> {
+        Ok(Colour([value; 3]))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut channels: A) -> Result<Colour, A::Error> {
+        let mut colour = [0.0; 3];
+        for (i, channel) in colour.iter_mut().enumerate() {
+            *channel = channels.next_element()?.ok_or_else(|| A::Error::invalid_length(i, &self))?;
+        }
+        match channels.next_element::<f64>()? {
+            None => Ok(Colour(colour)),
+            Some(_) => Err(A::Error::invalid_length(4, &self)),
+        }
+    }
+}
