@@ -38,7 +38,8 @@ fn sweep(arguments: impl Iterator<Item = f32>, mut f: impl FnMut([f32; 16])) {
 fn sincos_2pi_over_its_whole_domain() {
     // Every value the generator can make, then every exponent down to the subnormals.
     let drawn = (0..1u32 << 24).map(|k| k as f32 * 2f32.powi(-24));
-    let patterns = (0..0x3f80_0000u32).step_by(61).map(f32::from_bits).chain([1.0, 0.5f32.next_down(), 1f32.next_down()]);
+    let patterns =
+        (0..0x3f80_0000u32).step_by(61).map(f32::from_bits).chain([1.0, 0.5f32.next_down(), 1f32.next_down()]);
     let (mut sin_worst, mut cos_worst, mut norm) = (Worst::new(), Worst::new(), 0.0f64);
     sweep(drawn.chain(patterns), |block| {
         let (sin, cos) = math::sincos_2pi(f32x16::load(&block));
@@ -56,7 +57,9 @@ fn sincos_2pi_over_its_whole_domain() {
 
 #[test]
 fn sincos_2pi_is_exact_on_the_axes() {
-    for (u, expected) in [(0.0, (0.0, 1.0)), (0.25, (1.0, 0.0)), (0.5, (0.0, -1.0)), (0.75, (-1.0, 0.0)), (1.0, (0.0, 1.0))] {
+    for (u, expected) in
+        [(0.0, (0.0, 1.0)), (0.25, (1.0, 0.0)), (0.5, (0.0, -1.0)), (0.75, (-1.0, 0.0)), (1.0, (0.0, 1.0))]
+    {
         assert_eq!(math::sincos_2pi(u), expected, "u = {u}");
     }
 }

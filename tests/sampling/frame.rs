@@ -53,13 +53,15 @@ fn to_world_undoes_to_local() {
     for (n, v) in normals().into_iter().zip(normals().into_iter().rev()) {
         let frame = Frame::from_normal(Vec3::<f32>::splat(n));
         let back = frame.to_world(frame.to_local(Vec3::splat(v))).lane(0);
-        assert!((0..3).all(|i| (back[i] - v[i]).abs() < 16.0 * f32::EPSILON / 2.0), "{v:?} → {back:?}");
+        // Three entries of the basis' product with its transpose, each off by 12 units at most (above), and six roundings.
+        assert!((0..3).all(|i| (back[i] - v[i]).abs() < 42.0 * 2f32.powi(-24)), "{v:?} → {back:?}");
     }
 }
 
 #[test]
 fn the_same_bits_at_every_width() {
     let normals = normals();
-    let rows: Vec<Vec<f32>> = normals.iter().zip(normals.iter().rev()).map(|(n, v)| [&n[..], &v[..]].concat()).collect();
+    let rows: Vec<Vec<f32>> =
+        normals.iter().zip(normals.iter().rev()).map(|(n, v)| [&n[..], &v[..]].concat()).collect();
     assert_same_bits(&FrameOf, &rows);
 }
