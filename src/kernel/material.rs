@@ -115,9 +115,9 @@ impl<R: Real> MaterialAt<R> {
     fn conductor(&self) -> Conductor<R> {
         let fresnel = ConductorFresnel {
             a: self.a,
-            k: self.b,
+            b: self.b,
+            exact: self.c.eq(R::splat(FRESNEL_EXACT)),
             schlick: self.c.eq(R::splat(FRESNEL_SCHLICK)),
-            constant: self.c.eq(R::splat(FRESNEL_CONSTANT)),
         };
         Conductor { alpha: self.alpha, separable: self.separable, fresnel }
     }
