@@ -1,1 +1,113 @@
+//! Finding hits: trees over the primitives, and the ways to walk them.
+//!
+//! [`Accel`] answers two questions over lanes, [`Accel::trace`] (the closest hit) and [`Accel::occluded`] (any hit), in
+//! one of several [modes](Mode) named by a type. All give the same bits (see [`geometry`](crate::geometry)); they
+//! differ in what they are fast at.
 
+mod block;
+mod brute;
+mod build;
+mod collapse;
+mod node;
+mod packet;
+mod single;
+mod tree;
+
+use crate::geometry::{Bounds, Hit, Ray, RaySetup};
+use crate::lane::Real;
+use block::{SphereBlock, TriangleBlock};
+use brute::{SphereList, TriangleList};
+pub use build::{BuildOptions, BuildReport, Preset};
+use std::time::Instant;
+use tree::Tree;
+
+/// How rays find their hits.
+pub trait Mode: Copy + Send + Sync + 'static {
+    /// Does it walk trees (else the lists)?
+    const TREE: bool;
+    #[doc(hidden)]
+    fn closest<R: Real>(accel: &Accel, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>);
+    #[doc(hidden)]
+    fn any<R: Real>(accel: &Accel, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask;
+}
+
+/// Every ray against every primitive: for some tens of primitives.
+#[derive(Clone, Copy, Debug)]
+pub struct Brute;
+/// Each lane's ray in turn, against eight boxes or triangles at a time: for rays that have parted.
+#[derive(Clone, Copy, Debug)]
+pub struct Single;
+/// All lanes together through the tree: for rays that go the same way.
+#[derive(Clone, Copy, Debug)]
+pub struct Packet;
+
+/// The primitives of a scene, arranged for tracing. Holds copies: nothing borrowed.
+#[derive(Clone, Debug, Default)]
+pub struct Accel {
+    triangles: TriangleList,
+    spheres: SphereList,
+    triangle_tree: Tree<TriangleBlock>,
+    sphere_tree: Tree<SphereBlock>,
+    report: BuildReport,
+}
+
+impl Accel {
+    /// Arranges what `options` ask for. `triangles` index `positions`; `spheres` are (centre, radius).
+    ///
+    /// Everything is finite, largest |coordinate| below 2 (or the margins of [`geometry`](crate::geometry) do not
+    /// hold). Panics if an index is past the end of `positions`, or at 2²⁸ primitives.
+    pub fn build(
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+        spheres: &[([f32; 3], f32)],
+        options: BuildOptions,
+    ) -> Self {
+        let start = Instant::now();
+        assert!(triangles.len() + spheres.len() < 1 << 28, "more primitives than child words can name");
+        let vertices = |i: usize| triangles[i].map(|k| positions[k as usize]);
+        let first_sphere = triangles.len() as u32;
+        let mut accel = Self::default();
+        if options.lists {
+            accel.triangles = TriangleList::new((0..triangles.len()).map(vertices));
+            accel.spheres = SphereList::new(spheres, first_sphere);
+        }
+        if options.trees {
+            let boxes: Vec<_> = (0..triangles.len()).map(|i| Bounds::of_triangle(vertices(i))).collect();
+            accel.triangle_tree = Tree::build(&boxes, options.preset, |ids| TriangleBlock::new(ids, vertices));
+            let boxes: Vec<_> = spheres.iter().map(|(c, r)| Bounds::of_sphere(*c, *r)).collect();
+            accel.sphere_tree =
+                Tree::build(&boxes, options.preset, |ids| SphereBlock::new(ids, first_sphere, |i| spheres[i]));
+        }
+        accel.report = BuildReport {
+            seconds: start.elapsed().as_secs_f64(),
+            node_bytes: accel.triangle_tree.node_bytes() + accel.sphere_tree.node_bytes(),
+            block_bytes: accel.triangle_tree.block_bytes() + accel.sphere_tree.block_bytes(),
+            list_bytes: accel.triangles.bytes() + accel.spheres.bytes(),
+            nodes: accel.triangle_tree.nodes.len() + accel.sphere_tree.nodes.len(),
+            blocks: accel.triangle_tree.blocks.len() + accel.sphere_tree.blocks.len(),
+            children: accel.triangle_tree.children() + accel.sphere_tree.children(),
+            depth: accel.triangle_tree.depth.max(accel.sphere_tree.depth),
+        };
+        accel
+    }
+
+    /// What was built, how large and how long it took.
+    pub fn report(&self) -> &BuildReport {
+        &self.report
+    }
+
+    /// The closest hit with 0 < t < `t_max`, per lane; equal t goes to the lower primitive. Lanes that are not
+    /// `active`, and unusable rays (see [`Ray`]), report a miss at their `t_max`, cost nothing and touch no other lane.
+    #[inline]
+    pub fn trace<R: Real, M: Mode>(&self, ray: &Ray<R>, active: R::Mask) -> Hit<R> {
+        let mut hit = Hit::miss(ray.t_max);
+        M::closest(self, &RaySetup::new(ray), active & ray.usable(), &mut hit);
+        hit
+    }
+
+    /// Is there any hit with 0 < t < `t_max`? False for lanes that are not `active` and for unusable rays.
+    #[inline]
+    pub fn occluded<R: Real, M: Mode>(&self, ray: &Ray<R>, active: R::Mask) -> R::Mask {
+        M::any(self, &RaySetup::new(ray), ray.t_max, active & ray.usable())
+    }
+}

@@ -9,6 +9,7 @@
 //! This folder is the only place that names `wide` or `core::arch`.
 
 pub mod math;
+mod shuffle;
 mod vec3;
 mod wide_impl;
 mod width1;
@@ -75,6 +76,12 @@ pub trait Bits:
     fn lane(self, i: usize) -> u32;
     /// Replaces lane `i`.
     fn set_lane(&mut self, i: usize, value: u32);
+    /// Reads as many values as there are lanes. Panics if `slice` is shorter.
+    fn load(slice: &[u32]) -> Self;
+    /// Writes as many values as there are lanes. Panics if `slice` is shorter.
+    fn store(self, slice: &mut [u32]);
+    /// Lane `i` < 8 is `word >> 3·i`, for [`Real::permute`]: eight packed indices of three bits.
+    fn unpack_octal(word: u32) -> Self;
     /// Logical shift left, `K < 32`.
     fn shl<const K: i32>(self) -> Self;
     /// Logical shift right, `K < 32`.
@@ -153,6 +160,18 @@ pub trait Real:
     fn to_int(self) -> Self::Bits;
     /// Lane `i` is `table[index.lane(i)]`. Panics past the end of the table.
     fn gather(table: &[f32], index: Self::Bits) -> Self;
+    /// Lane `i` is `table[index.lane(i)]`. Domain: indices below 4; others are unspecified.
+    fn lookup4(table: &[f32; 4], index: Self::Bits) -> Self;
+    /// Column `c` holds, in lane `i`, `table[index.lane(i)][c]`: one row a lane, transposed. Panics past the end.
+    fn fetch_rows<const N: usize>(table: &[[f32; N]], index: Self::Bits) -> [Self; N];
+    /// Lane `i` is `self.lane(index.lane(i) % WIDTH)`.
+    fn permute(self, index: Self::Bits) -> Self;
+    /// The lanes of `bits` (a [`Mask::bits`]) moved to the front, in order; the others are unspecified.
+    fn compress(self, bits: u32) -> Self;
+    /// The smallest lane. Exact, so in any order. Domain: no NaN.
+    fn lowest(self) -> f32;
+    /// The largest lane. Exact, so in any order. Domain: no NaN.
+    fn highest(self) -> f32;
 
     // What is the same for every width.
     #[inline(always)]

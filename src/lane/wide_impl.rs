@@ -16,7 +16,8 @@ pub(super) trait MaskOps<F, U>: Mask {
 
 /// [`Bits`] and [`Real`] for one of the register types of `wide`.
 macro_rules! wide_lanes {
-    ($width:literal, $f:ident, $u:ident, $i:ident, $mask:ident, $eight:ident) => {
+    ($width:literal, $f:ident, $u:ident, $i:ident, $mask:ident, $eight:ident,
+     $lookup4:ident, $rows:ident, $permute:ident, $compress:ident, $extreme:ident) => {
         impl Bits for $u {
             type Mask = $mask;
             #[inline(always)]
@@ -34,6 +35,20 @@ macro_rules! wide_lanes {
             #[inline(always)]
             fn set_lane(&mut self, i: usize, value: u32) {
                 self.as_mut_array()[i] = value;
+            }
+            #[inline(always)]
+            fn load(slice: &[u32]) -> Self {
+                let mut lanes = [0; $width];
+                lanes.copy_from_slice(&slice[..$width]);
+                $u::new(lanes)
+            }
+            #[inline(always)]
+            fn store(self, slice: &mut [u32]) {
+                slice[..$width].copy_from_slice(&self.to_array());
+            }
+            #[inline(always)]
+            fn unpack_octal(word: u32) -> Self {
+                $u::splat(word) >> $u::new(core::array::from_fn(|i| (3 * i as u32).min(31)))
             }
             #[inline(always)]
             fn shl<const K: i32>(self) -> Self {
@@ -172,6 +187,30 @@ macro_rules! wide_lanes {
             fn gather(table: &[f32], index: $u) -> Self {
                 let index = index.to_array();
                 $f::new(core::array::from_fn(|i| table[index[i] as usize]))
+            }
+            #[inline(always)]
+            fn lookup4(table: &[f32; 4], index: $u) -> Self {
+                super::shuffle::$lookup4(table, index)
+            }
+            #[inline(always)]
+            fn fetch_rows<const N: usize>(table: &[[f32; N]], index: $u) -> [Self; N] {
+                super::shuffle::$rows(table, index.to_array())
+            }
+            #[inline(always)]
+            fn permute(self, index: $u) -> Self {
+                super::shuffle::$permute(self, index)
+            }
+            #[inline(always)]
+            fn compress(self, bits: u32) -> Self {
+                super::shuffle::$compress(self, bits)
+            }
+            #[inline(always)]
+            fn lowest(self) -> f32 {
+                super::shuffle::$extreme(self, |a, b| a.fast_min(b))
+            }
+            #[inline(always)]
+            fn highest(self) -> f32 {
+                super::shuffle::$extreme(self, |a, b| a.fast_max(b))
             }
         }
     };

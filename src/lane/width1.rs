@@ -61,6 +61,18 @@ impl Bits for U32x1 {
         self.0 = value;
     }
     #[inline(always)]
+    fn load(slice: &[u32]) -> Self {
+        Self(slice[0])
+    }
+    #[inline(always)]
+    fn store(self, slice: &mut [u32]) {
+        slice[0] = self.0;
+    }
+    #[inline(always)]
+    fn unpack_octal(word: u32) -> Self {
+        Self(word)
+    }
+    #[inline(always)]
     fn shl<const K: i32>(self) -> Self {
         Self(self.0 << K)
     }
@@ -191,5 +203,29 @@ impl Real for f32 {
     #[inline(always)]
     fn gather(table: &[f32], index: U32x1) -> Self {
         table[index.0 as usize]
+    }
+    #[inline(always)]
+    fn lookup4(table: &[f32; 4], index: U32x1) -> Self {
+        table[index.0 as usize & 3]
+    }
+    #[inline(always)]
+    fn fetch_rows<const N: usize>(table: &[[f32; N]], index: U32x1) -> [Self; N] {
+        table[index.0 as usize]
+    }
+    #[inline(always)]
+    fn permute(self, _: U32x1) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn compress(self, _: u32) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn lowest(self) -> f32 {
+        self
+    }
+    #[inline(always)]
+    fn highest(self) -> f32 {
+        self
     }
 }

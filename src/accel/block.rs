@@ -1,0 +1,250 @@
+//! Leaves: eight triangles or spheres side by side.
+
+use super::tree::{Block, OneHit, OneRay};
+use crate::geometry::slab::{own_hi, own_lo, slab, sphere_hi, sphere_lo};
+use crate::geometry::{Hit, MISS, RaySetup, TriangleHit, Vertices, intersect_sphere, intersect_triangle};
+use crate::lane::{Bits, Mask, Real};
+
+/// Eight triangles: coordinates by vertex and axis, so that a single ray's choice of axes is a choice of arrays.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug)]
+pub struct TriangleBlock {
+    v: [[[f32; 8]; 3]; 3],
+    /// [`MISS`] in empty places, which come last. Their vertices are all 0: no area, so no hit.
+    id: [u32; 8],
+}
+
+/// Eight spheres.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug)]
+pub struct SphereBlock {
+    center: [[f32; 8]; 3],
+    /// NaN in empty places, which come last: no hit.
+    radius: [f32; 8],
+    id: [u32; 8],
+}
+
+impl TriangleBlock {
+    pub fn new(ids: &[u32], vertices: impl Fn(usize) -> [[f32; 3]; 3]) -> Self {
+        let mut block = Self { v: [[[0.0; 8]; 3]; 3], id: [MISS; 8] };
+        for (place, id) in ids.iter().enumerate() {
+            for (vertex, p) in vertices(*id as usize).iter().enumerate() {
+                for (axis, x) in p.iter().enumerate() {
+                    block.v[vertex][axis][place] = *x;
+                }
+            }
+            block.id[place] = *id;
+        }
+        block
+    }
+
+    /// Vertices from place `i` on, in the order of `axes`.
+    #[inline(always)]
+    fn load<E: Real>(&self, axes: [usize; 3], i: usize) -> Vertices<E> {
+        self.v.each_ref().map(|p| axes.map(|k| E::load(&p[k][i..])))
+    }
+
+    /// Candidates from place `i` on, and where the ray enters their own boxes.
+    #[inline(always)]
+    fn test_one<E: Real>(&self, ray: &OneRay<E>, i: usize, t_best: f32) -> Option<(TriangleHit<E>, E::Mask, E)> {
+        let found =
+            intersect_triangle(&ray.setup.shear, self.load(ray.axes, i), E::splat(t_best), E::Mask::splat(true))?;
+        let v: Vertices<E> = self.load([0, 1, 2], i);
+        let plane = |k: usize, upper: usize| {
+            if upper != 0 { own_hi(v[0][k], v[1][k], v[2][k]) } else { own_lo(v[0][k], v[1][k], v[2][k]) }
+        };
+        let near = [0, 1, 2].map(|k| plane(k, ray.negative[k]));
+        let far = [0, 1, 2].map(|k| plane(k, 1 - ray.negative[k]));
+        let (t_near, t_far) = slab(near, far, ray.setup.origin, ray.setup.inverse);
+        let t = t_near.max_or(found.t);
+        let mask = found.mask & t_near.le(t_far) & t.lt(E::splat(ray.t_max));
+        Some((found, mask, t))
+    }
+
+    /// Triangle `i` against a packet: candidates and their final distances.
+    #[inline(always)]
+    fn test_packet<R: Real>(
+        &self,
+        setup: &RaySetup<R>,
+        i: usize,
+        t_best: R,
+        active: R::Mask,
+    ) -> Option<(TriangleHit<R>, R)> {
+        let world: Vertices<R> = self.v.each_ref().map(|p| p.each_ref().map(|x| R::splat(x[i])));
+        let axis = |k: usize| setup.axes[k];
+        let (one, two) = (R::Bits::splat(1), R::Bits::splat(2));
+        let masks = [0, 1, 2].map(|k| (axis(k).eq(one), axis(k).eq(two)));
+        let turned = world.map(|p| masks.map(|(is_y, is_z)| R::select(is_z, p[2], R::select(is_y, p[1], p[0]))));
+        let mut found = intersect_triangle(&setup.shear, turned, t_best, active)?;
+        let (lo, hi) = crate::geometry::own_box(world);
+        let (t_near, t_far) = setup.slab(lo, hi);
+        found.mask = found.mask & t_near.le(t_far);
+        let t = t_near.max_or(found.t);
+        Some((found, t))
+    }
+}
+
+/// Does (t, primitive) beat the best so far?
+#[inline(always)]
+fn better<R: Real>(t: R, primitive: R::Bits, hit: &Hit<R>) -> R::Mask {
+    // Primitives are below 2²⁹: as signed differences they compare right, and MISS wins nothing because t = t_max is
+    // no hit.
+    let lower = !(primitive - hit.primitive).shr::<31>().eq(R::Bits::splat(0)) & hit.valid();
+    t.lt(hit.t) | t.eq(hit.t) & lower
+}
+
+/// Takes the hits of `mask` that beat the best so far.
+#[inline(always)]
+pub fn keep_triangle<R: Real>(found: &TriangleHit<R>, t: R, primitive: u32, t_max: R, hit: &mut Hit<R>) {
+    let primitive = R::Bits::splat(primitive);
+    let mask = found.mask & t.lt(t_max) & better(t, primitive, hit);
+    if mask.any() {
+        let (u, v) = found.weights();
+        hit.replace(mask, Hit { t, primitive, u, v });
+    }
+}
+#[inline(always)]
+pub fn keep_sphere<R: Real>(mask: R::Mask, t: R, primitive: u32, t_max: R, hit: &mut Hit<R>) {
+    let primitive = R::Bits::splat(primitive);
+    let mask = mask & t.lt(t_max) & better(t, primitive, hit);
+    if mask.any() {
+        hit.replace(mask, Hit { t, primitive, u: R::zero(), v: R::zero() });
+    }
+}
+
+/// A sphere per lane: lanes with 0 < t ≤ `t_best` that pass the own box, and t.
+#[inline(always)]
+pub fn test_sphere<R: Real>(
+    setup: &RaySetup<R>,
+    center: [R; 3],
+    radius: R,
+    t_best: R,
+    active: R::Mask,
+) -> Option<(R::Mask, R)> {
+    let t = intersect_sphere(setup.origin, setup.direction, center, radius);
+    let mask = active & t.gt(R::zero()) & t.le(t_best);
+    if mask.none() {
+        return None;
+    }
+    let (t_near, t_far) = setup.slab(center.map(|c| sphere_lo(c, radius)), center.map(|c| sphere_hi(c, radius)));
+    Some((mask & t_near.le(t_far), t_near.max_or(t)))
+}
+
+/// The best of the lanes of `bits` against the best so far.
+#[inline(always)]
+fn keep_one<E: Real>(mut bits: u32, t: E, ids: &[u32], best: &mut OneHit) -> Option<usize> {
+    let mut lane = None;
+    while bits != 0 {
+        let i = bits.trailing_zeros() as usize;
+        bits &= bits - 1;
+        let (t, primitive) = (t.lane(i), ids[i]);
+        if t < best.t || t == best.t && primitive < best.primitive {
+            (best.t, best.primitive) = (t, primitive);
+            lane = Some(i);
+        }
+    }
+    lane
+}
+
+impl Block for TriangleBlock {
+    #[inline(always)]
+    fn closest_one<E: Real>(&self, ray: &OneRay<E>, best: &mut OneHit) {
+        for i in (0..8).step_by(E::WIDTH) {
+            if E::WIDTH == 1 && self.id[i] == MISS {
+                break;
+            }
+            let Some((found, mask, t)) = self.test_one(ray, i, best.t) else { continue };
+            if let Some(lane) = keep_one(mask.bits(), t, &self.id[i..], best) {
+                let (u, v) = found.weights();
+                (best.u, best.v) = (u.lane(lane), v.lane(lane));
+            }
+        }
+    }
+    #[inline(always)]
+    fn any_one<E: Real>(&self, ray: &OneRay<E>, t_max: f32) -> bool {
+        (0..8).step_by(E::WIDTH).any(|i| self.test_one(ray, i, t_max).is_some_and(|(_, mask, _)| mask.any()))
+    }
+    #[inline(always)]
+    fn closest_packet<R: Real>(&self, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
+        for (i, id) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
+            if let Some((found, t)) = self.test_packet(setup, i, hit.t, active) {
+                keep_triangle(&found, t, *id, t_max, hit);
+            }
+        }
+    }
+    #[inline(always)]
+    fn any_packet<R: Real>(&self, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask {
+        let mut open = active;
+        for (i, _) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
+            if let Some((found, t)) = self.test_packet(setup, i, t_max, open) {
+                open = open & !(found.mask & t.lt(t_max));
+                if open.none() {
+                    break;
+                }
+            }
+        }
+        active & !open
+    }
+}
+
+impl SphereBlock {
+    /// `first` is the primitive number of sphere 0.
+    pub fn new(ids: &[u32], first: u32, sphere: impl Fn(usize) -> ([f32; 3], f32)) -> Self {
+        let mut block = Self { center: [[0.0; 8]; 3], radius: [f32::NAN; 8], id: [MISS; 8] };
+        for (place, id) in ids.iter().enumerate() {
+            let (center, radius) = sphere(*id as usize);
+            for (axis, x) in center.iter().enumerate() {
+                block.center[axis][place] = *x;
+            }
+            block.radius[place] = radius;
+            block.id[place] = first + id;
+        }
+        block
+    }
+    #[inline(always)]
+    fn test_one<E: Real>(&self, ray: &OneRay<E>, i: usize, t_best: f32) -> Option<(E::Mask, E)> {
+        let center = self.center.each_ref().map(|c| E::load(&c[i..]));
+        let radius = E::load(&self.radius[i..]);
+        let (mask, t) = test_sphere(&ray.setup, center, radius, E::splat(t_best), E::Mask::splat(true))?;
+        Some((mask & t.lt(E::splat(ray.t_max)), t))
+    }
+    #[inline(always)]
+    fn test_packet<R: Real>(&self, setup: &RaySetup<R>, i: usize, t_best: R, active: R::Mask) -> Option<(R::Mask, R)> {
+        let center = self.center.each_ref().map(|c| R::splat(c[i]));
+        test_sphere(setup, center, R::splat(self.radius[i]), t_best, active)
+    }
+}
+
+impl Block for SphereBlock {
+    #[inline(always)]
+    fn closest_one<E: Real>(&self, ray: &OneRay<E>, best: &mut OneHit) {
+        for i in (0..8).step_by(E::WIDTH) {
+            let Some((mask, t)) = self.test_one(ray, i, best.t) else { continue };
+            if keep_one(mask.bits(), t, &self.id[i..], best).is_some() {
+                (best.u, best.v) = (0.0, 0.0);
+            }
+        }
+    }
+    #[inline(always)]
+    fn any_one<E: Real>(&self, ray: &OneRay<E>, t_max: f32) -> bool {
+        (0..8).step_by(E::WIDTH).any(|i| self.test_one(ray, i, t_max).is_some_and(|(mask, _)| mask.any()))
+    }
+    #[inline(always)]
+    fn closest_packet<R: Real>(&self, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
+        for (i, id) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
+            if let Some((mask, t)) = self.test_packet(setup, i, hit.t, active) {
+                keep_sphere(mask, t, *id, t_max, hit);
+            }
+        }
+    }
+    #[inline(always)]
+    fn any_packet<R: Real>(&self, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask {
+        let mut open = active;
+        for (i, _) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
+            if let Some((mask, t)) = self.test_packet(setup, i, t_max, open) {
+                open = open & !(mask & t.lt(t_max));
+            }
+        }
+        active & !open
+    }
+}

@@ -1,0 +1,80 @@
+//! A tree node of eight children.
+
+use crate::geometry::Bounds;
+
+/// What a node's child slot, or a tree's root, refers to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Child(pub u32);
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+    /// A root with nothing below it.
+    pub const NONE: Self = Self(u32::MAX);
+
+    pub fn node(index: usize) -> Self {
+        Self(index as u32)
+    }
+    pub fn leaf(block: usize) -> Self {
+        Self(block as u32 | Self::LEAF)
+    }
+    #[inline(always)]
+    pub fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+    /// Index of the node or block.
+    #[inline(always)]
+    pub fn index(self) -> usize {
+        (self.0 & !Self::LEAF) as usize
+    }
+}
+
+/// Four cache lines. Empty slots have [`Bounds::EMPTY`], which no usable ray enters.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug)]
+pub struct Node {
+    /// `planes[2·axis]` the lower, `planes[2·axis + 1]` the upper bounds of the children on that axis.
+    pub planes: [[f32; 8]; 6],
+    /// [`Child`] words.
+    pub children: [u32; 8],
+    /// For each octant of directions (bit k set: component k negative) the children from the farthest to the nearest,
+    /// three bits each, the first lowest; empty slots first. Bits 24 … 27 of every word: the number of children.
+    pub order: [u32; 8],
+}
+
+impl Node {
+    pub fn new(children: &[(Child, Bounds)]) -> Self {
+        let mut node = Self { planes: [[0.0; 8]; 6], children: [0; 8], order: [0; 8] };
+        for slot in 0..8 {
+            let bounds = children.get(slot).map_or(Bounds::EMPTY, |c| c.1);
+            for axis in 0..3 {
+                node.planes[2 * axis][slot] = bounds.lo[axis];
+                node.planes[2 * axis + 1][slot] = bounds.hi[axis];
+            }
+        }
+        for (slot, (child, _)) in children.iter().enumerate() {
+            node.children[slot] = child.0;
+        }
+        node.order = core::array::from_fn(|octant| order(octant, children));
+        node
+    }
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        (self.order[0] >> 24) as usize
+    }
+}
+
+fn order(octant: usize, children: &[(Child, Bounds)]) -> u32 {
+    let nearness = |bounds: &Bounds| -> f32 {
+        (0..3)
+            .map(|k| {
+                let middle = 0.5 * bounds.lo[k] + 0.5 * bounds.hi[k];
+                if octant >> k & 1 != 0 { middle } else { -middle }
+            })
+            .sum()
+    };
+    let mut slots: Vec<usize> = (0..children.len()).collect();
+    slots.sort_by(|a, b| nearness(&children[*a].1).total_cmp(&nearness(&children[*b].1)));
+    let empty = children.len()..8;
+    let word = empty.chain(slots).enumerate().fold(0, |word, (i, slot)| word | (slot as u32) << (3 * i));
+    word | (children.len() as u32) << 24
+}

@@ -1,0 +1,197 @@
+//! All lanes together through the tree.
+
+use super::node::{Child, Node};
+use super::tree::{Block, STACK, Tree};
+use super::{Accel, Mode, Packet, Single};
+use crate::geometry::slab::{FAR_PAD, slab};
+use crate::geometry::{Hit, RaySetup};
+use crate::lane::{Bits, Mask, Real};
+
+/// Bounds of what the rays of a packet do, for testing eight boxes against all of them at once.
+///
+/// Every lane's distance to a plane is fl(fl(plane − o)·inverse) with o and inverse between the bounds here; rounding is
+/// monotone, so the extremes over the four corners bound it as computed: a child this drops no lane enters.
+struct Interval<E: Real> {
+    /// The origin bound that makes planes near early and planes far late.
+    near_origin: [E; 3],
+    far_origin: [E; 3],
+    lowest: [E; 3],
+    highest: [E; 3],
+    /// 1 where the directions are negative.
+    negative: [usize; 3],
+}
+
+impl<E: Real> Interval<E> {
+    /// `None` where the lanes' signs differ or a component of a direction is so small that its inverse is infinite.
+    #[inline(always)]
+    fn new<R: Real>(setup: &RaySetup<R>, active: R::Mask) -> Option<Self> {
+        let all = active.bits();
+        let negative = setup.negative.map(|n| (n & active).bits());
+        if negative.iter().any(|n| *n != 0 && *n != all) {
+            return None;
+        }
+        let infinity = R::splat(f32::INFINITY);
+        let lowest = |x: R| R::select(active, x, infinity).lowest();
+        let highest = |x: R| R::select(active, x, -infinity).highest();
+        let (lo, hi) = (setup.inverse.map(lowest), setup.inverse.map(highest));
+        if lo.iter().chain(&hi).any(|x| !x.is_finite()) {
+            return None;
+        }
+        let negative = negative.map(|n| usize::from(n != 0));
+        let (o_lo, o_hi) = (setup.origin.map(lowest), setup.origin.map(highest));
+        let pick =
+            |a: [f32; 3], b: [f32; 3]| core::array::from_fn(|k| E::splat(if negative[k] != 0 { b[k] } else { a[k] }));
+        Some(Self {
+            near_origin: pick(o_hi, o_lo),
+            far_origin: pick(o_lo, o_hi),
+            lowest: lo.map(E::splat),
+            highest: hi.map(E::splat),
+            negative,
+        })
+    }
+
+    /// Slots of the children that some lane may enter before `t_best`, as bits in the node's own order.
+    #[inline(always)]
+    fn children(&self, node: &Node, t_best: f32) -> (u32, E::Bits) {
+        let octant = self.negative[0] | self.negative[1] << 1 | self.negative[2] << 2;
+        let (mut t_near, mut t_far) = (E::zero(), E::splat(f32::INFINITY));
+        for k in 0..3 {
+            let near = E::load(&node.planes[2 * k + self.negative[k]]) - self.near_origin[k];
+            let far = E::load(&node.planes[2 * k + 1 - self.negative[k]]) - self.far_origin[k];
+            t_near = (near * self.lowest[k]).min_or(near * self.highest[k]).max_or(t_near);
+            t_far = (far * self.lowest[k]).max_or(far * self.highest[k]).min_or(t_far);
+        }
+        let t_far = (t_far * E::splat(FAR_PAD)).min_or(E::splat(t_best));
+        let order = E::Bits::unpack_octal(node.order[octant]);
+        (t_near.permute(order).le(t_far.permute(order)).bits(), order)
+    }
+}
+
+/// Slots still to visit: node·8 + slot.
+struct Stack {
+    slot: [u32; STACK],
+    len: usize,
+}
+
+impl Stack {
+    #[inline(always)]
+    fn push_children<R: Real>(
+        &mut self,
+        index: usize,
+        node: &Node,
+        interval: Option<&Interval<R::Eight>>,
+        octant: usize,
+        t_best: f32,
+    ) {
+        let first = (index * 8) as u32;
+        match interval {
+            Some(interval) => {
+                let (bits, order) = interval.children(node, t_best);
+                // `unpack_octal` leaves higher digits above the low three bits.
+                let slots = (order & Bits::splat(7)) + Bits::splat(first);
+                <R::Eight as Real>::from_bits(slots).compress(bits).to_bits().store(&mut self.slot[self.len..]);
+                self.len += bits.count_ones() as usize;
+            }
+            None => {
+                let order = node.order[octant];
+                for i in 8 - node.count()..8 {
+                    self.slot[self.len] = first + (order >> (3 * i) & 7);
+                    self.len += 1;
+                }
+            }
+        }
+    }
+}
+
+/// Walks the tree; `leaf` tests a block against the lanes that enter it, and returns the lanes still wanted with
+/// the distance up to which they are.
+#[inline(always)]
+fn walk<B: Block, R: Real>(
+    tree: &Tree<B>,
+    setup: &RaySetup<R>,
+    active: R::Mask,
+    t_max: R,
+    mut leaf: impl FnMut(&B, R::Mask) -> (R::Mask, R),
+) {
+    if tree.root == Child::NONE || active.none() {
+        return;
+    }
+    if tree.root.is_leaf() {
+        leaf(&tree.blocks[tree.root.index()], active);
+        return;
+    }
+    let interval = Interval::<R::Eight>::new(setup, active);
+    let first = active.bits().trailing_zeros() as usize;
+    let octant = (0..3).map(|k| usize::from(setup.negative[k].lane(first)) << k).sum();
+    let farthest = |active: R::Mask, t: R| R::select(active, t, R::zero()).highest();
+    let (mut active, mut t_best) = (active, t_max);
+    let mut t_farthest = farthest(active, t_best);
+    let mut stack = Stack { slot: [0; STACK], len: 0 };
+    stack.push_children::<R>(tree.root.index(), &tree.nodes[tree.root.index()], interval.as_ref(), octant, t_farthest);
+    while let Some(len) = stack.len.checked_sub(1) {
+        stack.len = len;
+        let (node, slot) = (stack.slot[len] as usize / 8, stack.slot[len] as usize % 8);
+        let node = &tree.nodes[node];
+        let lo = [0, 1, 2].map(|k| R::splat(node.planes[2 * k][slot]));
+        let hi = [0, 1, 2].map(|k| R::splat(node.planes[2 * k + 1][slot]));
+        let (t_near, t_far) = match &interval {
+            Some(interval) => {
+                let side =
+                    |far: usize| [0, 1, 2].map(|k| R::splat(node.planes[2 * k + (interval.negative[k] ^ far)][slot]));
+                slab(side(0), side(1), setup.origin, setup.inverse)
+            }
+            None => setup.slab(lo, hi),
+        };
+        let inside = t_near.le(t_far) & t_near.le(t_best) & active;
+        if inside.none() {
+            continue;
+        }
+        let child = Child(node.children[slot]);
+        if child.is_leaf() {
+            (active, t_best) = leaf(&tree.blocks[child.index()], inside);
+            if active.none() {
+                return;
+            }
+            t_farthest = farthest(active, t_best);
+        } else {
+            stack.push_children::<R>(child.index(), &tree.nodes[child.index()], interval.as_ref(), octant, t_farthest);
+        }
+    }
+}
+
+impl Mode for Packet {
+    const TREE: bool = true;
+
+    #[inline(always)]
+    fn closest<R: Real>(accel: &Accel, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>) {
+        if R::WIDTH == 1 {
+            return Single::closest(accel, setup, active, hit);
+        }
+        let t_max = hit.t;
+        walk(&accel.triangle_tree, setup, active, hit.t, |block, inside| {
+            block.closest_packet(setup, inside, hit, t_max);
+            (active, hit.t)
+        });
+        walk(&accel.sphere_tree, setup, active, hit.t, |block, inside| {
+            block.closest_packet(setup, inside, hit, t_max);
+            (active, hit.t)
+        });
+    }
+
+    #[inline(always)]
+    fn any<R: Real>(accel: &Accel, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask {
+        if R::WIDTH == 1 {
+            return Single::any(accel, setup, t_max, active);
+        }
+        let mut open = active;
+        walk(&accel.triangle_tree, setup, active, t_max, |block, inside| {
+            open = open & !block.any_packet(setup, t_max, inside & open);
+            (open, t_max)
+        });
+        walk(&accel.sphere_tree, setup, open, t_max, |block, inside| {
+            open = open & !block.any_packet(setup, t_max, inside & open);
+            (open, t_max)
+        });
+        active & !open
+    }
+}

@@ -1,0 +1,89 @@
+//! A tree of eight-wide nodes over blocks of eight primitives.
+
+use super::collapse::collapse;
+use super::node::{Child, Node};
+use super::{Preset, build};
+use crate::geometry::{Bounds, Hit, RaySetup};
+use crate::lane::Real;
+
+/// Nodes on the longest way down are at most this many (see [`collapse`]), so a walk never holds more than
+/// [`STACK`] entries: each node leaves at most seven behind, and is stored as eight.
+pub const MAX_DEPTH: usize = 36;
+pub const STACK: usize = MAX_DEPTH * 7 + 16;
+
+/// Up to eight primitives side by side.
+pub trait Block: Copy + Send + Sync {
+    /// One ray against all; `E` is the width that the eight are taken in.
+    fn closest_one<E: Real>(&self, ray: &OneRay<E>, best: &mut OneHit);
+    fn any_one<E: Real>(&self, ray: &OneRay<E>, t_max: f32) -> bool;
+    /// A packet against each in turn.
+    fn closest_packet<R: Real>(&self, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R);
+    fn any_packet<R: Real>(&self, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask;
+}
+
+/// One ray in every lane of `E`, with what is uniform as plain numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct OneRay<E: Real> {
+    pub setup: RaySetup<E>,
+    /// [`RaySetup::axes`].
+    pub axes: [usize; 3],
+    /// 1 where the direction is negative.
+    pub negative: [usize; 3],
+    pub t_max: f32,
+}
+
+impl<E: Real> OneRay<E> {
+    /// Which octant the direction points to: bit k for a negative component k.
+    #[inline(always)]
+    pub fn octant(&self) -> usize {
+        self.negative[0] | self.negative[1] << 1 | self.negative[2] << 2
+    }
+}
+
+/// The best hit so far of one ray.
+#[derive(Clone, Copy, Debug)]
+pub struct OneHit {
+    pub t: f32,
+    pub primitive: u32,
+    pub u: f32,
+    pub v: f32,
+}
+
+#[derive(Clone, Debug)]
+pub struct Tree<B> {
+    pub root: Child,
+    pub nodes: Vec<Node>,
+    pub blocks: Vec<B>,
+    /// Nodes on the longest way down.
+    pub depth: usize,
+}
+
+impl<B> Default for Tree<B> {
+    fn default() -> Self {
+        Self { root: Child::NONE, nodes: Vec::new(), blocks: Vec::new(), depth: 0 }
+    }
+}
+
+impl<B: Block> Tree<B> {
+    /// `block` makes the block of up to eight primitives, given by index into `boxes`.
+    pub fn build(boxes: &[Bounds], preset: Preset, mut block: impl FnMut(&[u32]) -> B) -> Self {
+        if boxes.is_empty() {
+            return Self::default();
+        }
+        if boxes.len() <= 8 {
+            let all: Vec<u32> = (0..boxes.len() as u32).collect();
+            return Self { root: Child::leaf(0), blocks: vec![block(&all)], ..Self::default() };
+        }
+        collapse(build::binary_tree(boxes, preset), block)
+    }
+    pub fn node_bytes(&self) -> usize {
+        core::mem::size_of_val(self.nodes.as_slice())
+    }
+    pub fn block_bytes(&self) -> usize {
+        core::mem::size_of_val(self.blocks.as_slice())
+    }
+    /// Children of all nodes together.
+    pub fn children(&self) -> usize {
+        self.nodes.iter().map(Node::count).sum()
+    }
+}

@@ -1,0 +1,108 @@
+//! One row per primitive, fetched per lane and transposed.
+
+use crate::lane::{Bits, Real, Vec3};
+
+/// A table of rows of `N` values that lanes fetch by index. Rows are as far apart as `N` values are long: 8 or 16
+/// share no cache line badly.
+#[derive(Clone, Debug, Default)]
+pub struct Rows<const N: usize> {
+    rows: Vec<[f32; N]>,
+}
+
+impl<const N: usize> Rows<N> {
+    /// Row 0 exists even in an empty table (zeros), so that dead lanes have something to read.
+    pub fn new(mut rows: Vec<[f32; N]>) -> Self {
+        if rows.is_empty() {
+            rows.push([0.0; N]);
+        }
+        Self { rows }
+    }
+    pub fn bytes(&self) -> usize {
+        core::mem::size_of_val(self.rows.as_slice())
+    }
+    /// Column `c` of row `index.lane(i)` in lane `i`; lanes that are not `valid` read row 0. Panics if a valid lane's
+    /// index is past the end.
+    #[inline(always)]
+    pub fn fetch<R: Real>(&self, index: R::Bits, valid: R::Mask) -> [R; N] {
+        R::fetch_rows(&self.rows, R::Bits::select(valid, index, R::Bits::splat(0)))
+    }
+}
+
+/// What shading reads of each triangle: 64 bytes.
+#[derive(Clone, Debug, Default)]
+pub struct TriangleRows(Rows<16>);
+
+/// A triangle per lane.
+#[derive(Clone, Copy, Debug)]
+pub struct TriangleAt<R> {
+    pub p0: Vec3<R>,
+    /// p1 − p0, rounded.
+    pub e1: Vec3<R>,
+    /// p2 − p0, rounded.
+    pub e2: Vec3<R>,
+    /// Unit geometric normal along e1 × e2: towards whoever sees the vertices counter-clockwise. Zero where the
+    /// triangle has no area.
+    pub ng: Vec3<R>,
+    pub area: R,
+}
+
+impl TriangleRows {
+    /// `triangles` index `positions` (checked by [`Accel::build`](crate::accel::Accel::build)'s caller: panics past the end).
+    pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
+        let rows = triangles.iter().map(|t| triangle_row(t.map(|i| positions[i as usize]))).collect();
+        Self(Rows::new(rows))
+    }
+    pub fn bytes(&self) -> usize {
+        self.0.bytes()
+    }
+    /// Domain of valid lanes: triangles (not spheres, not a miss).
+    #[inline(always)]
+    pub fn fetch<R: Real>(&self, primitive: R::Bits, valid: R::Mask) -> TriangleAt<R> {
+        let [px, py, pz, ax, ay, az, bx, by, bz, nx, ny, nz, area, ..] = self.0.fetch::<R>(primitive, valid);
+        TriangleAt {
+            p0: Vec3::new(px, py, pz),
+            e1: Vec3::new(ax, ay, az),
+            e2: Vec3::new(bx, by, bz),
+            ng: Vec3::new(nx, ny, nz),
+            area,
+        }
+    }
+}
+
+/// Normal and area in f64: once per triangle, and slivers cancel badly in f32.
+fn triangle_row([p0, p1, p2]: [[f32; 3]; 3]) -> [f32; 16] {
+    let edge = |p: [f32; 3]| [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(p0[k]));
+    let (a, b) = (edge(p1), edge(p2));
+    let n = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
+    let n = if length > 0.0 { n.map(|c| (c / length) as f32) } else { [0.0; 3] };
+    let (e1, e2) = (a.map(|c| c as f32), b.map(|c| c as f32));
+    let area = (0.5 * length) as f32;
+    [p0[0], p0[1], p0[2], e1[0], e1[1], e1[2], e2[0], e2[1], e2[2], n[0], n[1], n[2], area, 0.0, 0.0, 0.0]
+}
+
+/// What shading reads of each sphere: 16 bytes.
+#[derive(Clone, Debug, Default)]
+pub struct SphereRows(Rows<4>);
+
+/// A sphere per lane.
+#[derive(Clone, Copy, Debug)]
+pub struct SphereAt<R> {
+    pub center: Vec3<R>,
+    pub radius: R,
+}
+
+impl SphereRows {
+    pub fn new(spheres: &[([f32; 3], f32)]) -> Self {
+        Self(Rows::new(spheres.iter().map(|(c, r)| [c[0], c[1], c[2], *r]).collect()))
+    }
+    pub fn bytes(&self) -> usize {
+        self.0.bytes()
+    }
+    /// `index` counts spheres from 0: the primitive less the number of triangles.
+    #[inline(always)]
+    pub fn fetch<R: Real>(&self, index: R::Bits, valid: R::Mask) -> SphereAt<R> {
+        let [x, y, z, radius] = self.0.fetch::<R>(index, valid);
+        SphereAt { center: Vec3::new(x, y, z), radius }
+    }
+}

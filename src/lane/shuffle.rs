@@ -1,0 +1,205 @@
+//! What moves values between lanes without computing on them: permute, compress, rows to lanes.
+
+use super::Real;
+use wide::{f32x8, f32x16, u32x8, u32x16};
+
+/// Lanes 0 … 7 of row `index[i]`, transposed eight columns at a time.
+#[inline(always)]
+pub fn rows8<const N: usize>(table: &[[f32; N]], index: [u32; 8]) -> [f32x8; N] {
+    let mut out = [f32x8::ZERO; N];
+    let rows: [&[f32; N]; 8] = core::array::from_fn(|i| &table[index[i] as usize]);
+    let mut first = 0;
+    while first + 8 <= N {
+        let part = core::array::from_fn(|i| <f32x8 as Real>::load(&rows[i][first..first + 8]));
+        out[first..first + 8].copy_from_slice(&f32x8::transpose(part));
+        first += 8;
+    }
+    if first + 4 <= N {
+        out[first..first + 4].copy_from_slice(&four_columns(rows.map(|row| quad(&row[first..first + 4]))));
+        first += 4;
+    }
+    for (column, values) in out.iter_mut().enumerate().skip(first) {
+        *values = f32x8::new(core::array::from_fn(|i| rows[i][column]));
+    }
+    out
+}
+
+/// Sixteen rows: two halves of eight.
+#[inline(always)]
+pub fn rows16<const N: usize>(table: &[[f32; N]], index: [u32; 16]) -> [f32x16; N] {
+    let low = rows8(table, core::array::from_fn(|i| index[i]));
+    let high = rows8(table, core::array::from_fn(|i| index[i + 8]));
+    core::array::from_fn(|i| join(low[i], high[i]))
+}
+
+#[inline(always)]
+fn quad(row: &[f32]) -> [f32; 4] {
+    [row[0], row[1], row[2], row[3]]
+}
+
+/// Two 8-lane registers as one of 16. SAFETY: plain registers, and `f32x16` holds lanes 0 … 7 first.
+#[inline(always)]
+fn join(low: f32x8, high: f32x8) -> f32x16 {
+    unsafe { core::mem::transmute::<[f32x8; 2], f32x16>([low, high]) }
+}
+#[inline(always)]
+fn split(v: f32x16) -> [f32x8; 2] {
+    // SAFETY: as in `join`.
+    unsafe { core::mem::transmute::<f32x16, [f32x8; 2]>(v) }
+}
+
+/// Column `c` of eight rows of four.
+#[inline(always)]
+fn four_columns(rows: [[f32; 4]; 8]) -> [f32x8; 4] {
+    let wide = core::array::from_fn(|i| {
+        if i < 4 {
+            let (a, b) = (rows[i], rows[i + 4]);
+            f32x8::new([a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]])
+        } else {
+            f32x8::ZERO
+        }
+    });
+    // Rows i and i + 4 share a register, so that the four columns come out as halves of the transposed eight.
+    let [c0, c1, c2, c3, d0, d1, d2, d3] = f32x8::transpose(wide);
+    let both = |low: f32x8, high: f32x8| {
+        let (low, high) = (low.to_array(), high.to_array());
+        f32x8::new([low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]])
+    };
+    [both(c0, d0), both(c1, d1), both(c2, d2), both(c3, d3)]
+}
+
+/// Lane `i` is `table[index[i] & 3]`.
+#[inline(always)]
+pub fn lookup4_8(table: &[f32; 4], index: u32x8) -> f32x8 {
+    #[cfg(target_feature = "avx2")]
+    // SAFETY: the build has AVX2; `table` is 16 readable bytes, and no alignment is asked for.
+    unsafe {
+        use core::arch::x86_64::*;
+        let row = _mm256_broadcast_ps(&*table.as_ptr().cast::<__m128>());
+        f32x8::from(_mm256_permutevar_ps(row, index.into()))
+    }
+    #[cfg(not(target_feature = "avx2"))]
+    f32x8::new(index.to_array().map(|i| table[i as usize & 3]))
+}
+
+/// Lane `i` is `table[index[i] & 3]`.
+#[inline(always)]
+pub fn lookup4_16(table: &[f32; 4], index: u32x16) -> f32x16 {
+    #[cfg(target_feature = "avx512f")]
+    // SAFETY: the build has AVX-512F; the row is loaded unaligned.
+    unsafe {
+        use core::arch::x86_64::*;
+        let row = _mm512_broadcast_f32x4(_mm_loadu_ps(table.as_ptr()));
+        f32x16::from(_mm512_permutevar_ps(row, index.into()))
+    }
+    #[cfg(not(target_feature = "avx512f"))]
+    {
+        // SAFETY: as in `join`.
+        let [low, high] = unsafe { core::mem::transmute::<u32x16, [u32x8; 2]>(index) };
+        join(lookup4_8(table, low), lookup4_8(table, high))
+    }
+}
+
+/// Lane `i` is `v[index[i] & 7]`.
+#[inline(always)]
+pub fn permute8(v: f32x8, index: u32x8) -> f32x8 {
+    #[cfg(target_feature = "avx2")]
+    // SAFETY: the build has AVX2; registers only.
+    unsafe {
+        use core::arch::x86_64::*;
+        f32x8::from(_mm256_permutevar8x32_ps(v.into(), index.into()))
+    }
+    #[cfg(not(target_feature = "avx2"))]
+    {
+        let lanes = v.to_array();
+        f32x8::new(index.to_array().map(|i| lanes[i as usize & 7]))
+    }
+}
+
+/// Lane `i` is `v[index[i] & 15]`.
+#[inline(always)]
+pub fn permute16(v: f32x16, index: u32x16) -> f32x16 {
+    #[cfg(target_feature = "avx512f")]
+    // SAFETY: the build has AVX-512F; registers only.
+    unsafe {
+        use core::arch::x86_64::*;
+        f32x16::from(_mm512_permutexvar_ps(index.into(), v.into()))
+    }
+    #[cfg(not(target_feature = "avx512f"))]
+    {
+        let lanes = v.to_array();
+        f32x16::new(index.to_array().map(|i| lanes[i as usize & 15]))
+    }
+}
+
+/// For each of the 256 masks of eight lanes, the indices of its lanes in order, a byte each.
+#[cfg(not(all(target_feature = "avx512f", target_feature = "avx512vl")))]
+static COMPRESSION: [u64; 256] = {
+    let mut table = [0u64; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut count) = (0, 0);
+        while lane < 8 {
+            if mask >> lane & 1 != 0 {
+                table[mask] |= (lane as u64) << (8 * count);
+                count += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
+/// The lanes of `bits` (< 256) moved to the front, in order; the others are unspecified.
+#[inline(always)]
+pub fn compress8(v: f32x8, bits: u32) -> f32x8 {
+    #[cfg(all(target_feature = "avx512f", target_feature = "avx512vl"))]
+    // SAFETY: the build has AVX-512VL; registers only.
+    unsafe {
+        use core::arch::x86_64::*;
+        f32x8::from(_mm256_maskz_compress_ps(bits as u8, v.into()))
+    }
+    #[cfg(not(all(target_feature = "avx512f", target_feature = "avx512vl")))]
+    {
+        let bytes = COMPRESSION[bits as usize & 255].to_le_bytes();
+        permute8(v, u32x8::new(bytes.map(u32::from)))
+    }
+}
+
+/// The lanes of `bits` (< 65,536) moved to the front, in order; the others are unspecified.
+#[inline(always)]
+pub fn compress16(v: f32x16, bits: u32) -> f32x16 {
+    #[cfg(target_feature = "avx512f")]
+    // SAFETY: the build has AVX-512F; registers only.
+    unsafe {
+        use core::arch::x86_64::*;
+        f32x16::from(_mm512_maskz_compress_ps(bits as u16, v.into()))
+    }
+    #[cfg(not(target_feature = "avx512f"))]
+    {
+        let lanes = v.to_array();
+        let mut out = [0.0; 16];
+        let mut count = 0;
+        for lane in 0..16 {
+            if bits >> lane & 1 != 0 {
+                out[count] = lanes[lane];
+                count += 1;
+            }
+        }
+        f32x16::new(out)
+    }
+}
+
+/// Smallest and largest of eight lanes, `better(a, b)` being [`Real::min_or`] or [`Real::max_or`].
+#[inline(always)]
+pub fn extreme8(v: f32x8, better: impl Fn(f32x8, f32x8) -> f32x8) -> f32 {
+    let v = better(v, permute8(v, u32x8::new([4, 5, 6, 7, 0, 1, 2, 3])));
+    let v = better(v, permute8(v, u32x8::new([2, 3, 0, 1, 6, 7, 4, 5])));
+    better(v, permute8(v, u32x8::new([1, 0, 3, 2, 5, 4, 7, 6]))).to_array()[0]
+}
+#[inline(always)]
+pub fn extreme16(v: f32x16, better: impl Fn(f32x8, f32x8) -> f32x8) -> f32 {
+    let [low, high] = split(v);
+    extreme8(better(low, high), better)
+}

@@ -1,0 +1,161 @@
+//! The same bits in every mode, at every width, with any tree, whatever the other lanes hold.
+
+use super::support::*;
+use octolux::accel::{Accel, Brute, Packet, Preset, Single};
+use octolux::geometry::MISS;
+use octolux::lane::{Real, f32x8, f32x16};
+
+fn presets(shapes: &Shapes) -> [Accel; 3] {
+    [Preset::Fast, Preset::Medium, Preset::Best].map(|preset| shapes.everything(preset))
+}
+
+/// From random points at random points or along axes, some nearly parallel to their neighbours (packets that stay
+/// together), some short.
+pub fn random_rays(n: usize, rng: &mut Random) -> Vec<OneRay> {
+    let mut rays: Vec<OneRay> = Vec::new();
+    for i in 0..n {
+        let o = rng.point(1.9);
+        let target = rng.point(1.5);
+        let mut d = [0, 1, 2].map(|k| target[k] - o[k]);
+        let mut o = o;
+        if i % 64 >= 32 && i % 16 != 0 {
+            let base = rays[i / 16 * 16];
+            o = base.o;
+            d = base.d.map(|x| x + 0.02 * rng.signed());
+        }
+        if i % 7 == 3 {
+            d[rng.below(3)] = if rng.unit() < 0.5 { 0.0 } else { -0.0 };
+        }
+        if i % 29 == 3 {
+            let keep = rng.below(3);
+            d = [0, 1, 2].map(|k| if k == keep { rng.signed() } else { 0.0 });
+        }
+        let scale = [1.0, 1e-6, 1e6][i % 3];
+        let t_max = if i % 5 == 0 { rng.unit() } else { f32::INFINITY };
+        rays.push(OneRay { o, d: d.map(|x| x * scale), t_max: t_max / scale });
+    }
+    rays
+}
+
+#[test]
+fn modes_widths_and_trees_agree() {
+    let mut rng = Random::new(1);
+    for (triangles, spheres, size) in
+        [(1, 0, 0.5), (7, 3, 0.5), (9, 1, 0.4), (60, 20, 0.2), (700, 0, 0.1), (1500, 40, 0.05)]
+    {
+        let shapes = Shapes::random(triangles, spheres, size, &mut rng);
+        let accels = presets(&shapes);
+        let rays = random_rays(4096, &mut rng);
+        let found = ask_all(&accels.each_ref(), &rays);
+        let hits = found.iter().filter(|(hit, _)| hit.1 != MISS).count();
+        assert!(hits > 20, "{hits} of {} rays hit {triangles} triangles: the test would see nothing", rays.len());
+    }
+}
+
+#[test]
+fn only_spheres() {
+    let mut rng = Random::new(2);
+    let shapes = Shapes::random(0, 300, 0.0, &mut rng);
+    let accels = presets(&shapes);
+    let mut rays = random_rays(4096, &mut rng);
+    for (i, ray) in rays.iter_mut().enumerate().filter(|(i, _)| i % 4 == 0) {
+        ray.o = shapes.spheres[i % 300].0;
+    }
+    let found = ask_all(&accels.each_ref(), &rays);
+    assert!(found.iter().filter(|(hit, _)| hit.1 != MISS).count() > 1000);
+}
+
+#[test]
+fn dead_lanes_report_a_miss_and_change_nothing() {
+    let mut rng = Random::new(3);
+    let shapes = Shapes::random(600, 20, 0.1, &mut rng);
+    let accel = shapes.everything(Preset::Medium);
+    let rays = random_rays(4096, &mut rng);
+    let reference = ask::<f32, Brute>(&accel, &rays, |_| true);
+    let mut broken = rays.clone();
+    let dead: Vec<bool> = rays.iter().map(|_| rng.unit() < 0.6).collect();
+    for (i, ray) in broken.iter_mut().enumerate().filter(|(i, _)| dead[*i]) {
+        // Whatever a dead lane holds.
+        let bad = [f32::NAN, f32::INFINITY, 0.0, 1e38][i % 4];
+        (ray.o[i % 3], ray.d) = (bad, [bad; 3]);
+    }
+    let check = |name: &str, got: Vec<(Found, bool)>| {
+        for i in 0..rays.len() {
+            let want = if dead[i] { (missed(&broken[i]), false) } else { reference[i] };
+            assert_eq!(got[i], want, "{name}: ray {i}");
+        }
+    };
+    check("brute 8", ask::<f32x8, Brute>(&accel, &broken, |i| !dead[i]));
+    check("brute 16", ask::<f32x16, Brute>(&accel, &broken, |i| !dead[i]));
+    check("single 1", ask::<f32, Single>(&accel, &broken, |i| !dead[i]));
+    check("single 16", ask::<f32x16, Single>(&accel, &broken, |i| !dead[i]));
+    check("packet 8", ask::<f32x8, Packet>(&accel, &broken, |i| !dead[i]));
+    check("packet 16", ask::<f32x16, Packet>(&accel, &broken, |i| !dead[i]));
+}
+
+#[test]
+fn unusable_rays_terminate_and_miss() {
+    let mut rng = Random::new(4);
+    let shapes = Shapes::random(600, 20, 0.1, &mut rng);
+    let accel = shapes.everything(Preset::Medium);
+    let good = random_rays(512, &mut rng);
+    let mut rays = good.clone();
+    let mut bad = vec![false; rays.len()];
+    for i in (0..rays.len()).step_by(3) {
+        let value = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY][i / 3 % 3];
+        match i / 9 % 4 {
+            0 => rays[i].o[i / 3 % 3] = value,
+            1 => rays[i].d[i / 3 % 3] = value,
+            2 => rays[i].d = [0.0, -0.0, 0.0],
+            _ => rays[i].t_max = [f32::NAN, 0.0, -1.0][i / 3 % 3],
+        }
+        bad[i] = true;
+    }
+    let found = ask_all(&[&accel], &rays);
+    let untouched = ask::<f32, Single>(&accel, &good, |_| true);
+    for i in 0..rays.len() {
+        let want = if bad[i] { (missed(&rays[i]), false) } else { untouched[i] };
+        assert_eq!(found[i], want, "ray {i} {:?}", rays[i]);
+    }
+}
+
+#[test]
+fn nothing_to_hit() {
+    let shapes = Shapes::default();
+    let accel = shapes.everything(Preset::Medium);
+    let rays = random_rays(64, &mut Random::new(5));
+    let found = ask_all(&[&accel], &rays);
+    assert!(found.iter().zip(&rays).all(|(found, ray)| *found == (missed(ray), false)));
+}
+
+/// Far and huge numbers: every mode must still agree, whatever it finds.
+#[test]
+fn extreme_rays_agree() {
+    let mut rng = Random::new(6);
+    let shapes = Shapes::random(500, 20, 0.2, &mut rng);
+    let accel = shapes.everything(Preset::Medium);
+    let extreme = [0.0, -0.0, 1e-45, -1e-45, 1e-38, 1e-20, -1e20, 3e38, -3e38, 1.0, 0.5];
+    let rays: Vec<_> = (0..8192)
+        .map(|i| {
+            let mut ray = OneRay { o: rng.point(1.9), d: rng.point(1.0), t_max: f32::INFINITY };
+            ray.d[rng.below(3)] = extreme[rng.below(extreme.len())];
+            ray.d[rng.below(3)] = extreme[rng.below(extreme.len())];
+            if i % 4 == 0 {
+                ray.o[rng.below(3)] = extreme[rng.below(extreme.len())];
+            }
+            ray
+        })
+        .collect();
+    ask_all(&[&accel], &rays);
+}
+
+fn assert_width<R: Real>(width: usize) {
+    assert_eq!(R::WIDTH, width);
+}
+
+#[test]
+fn widths_are_what_the_names_say() {
+    assert_width::<f32>(1);
+    assert_width::<f32x8>(8);
+    assert_width::<f32x16>(16);
+}
