@@ -1,1 +1,5 @@
+//! The lane arithmetic and its functions.
 
+mod math;
+pub mod ulp;
+pub mod widths;

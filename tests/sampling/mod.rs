@@ -1,1 +1,5 @@
+//! Random numbers, warps and frames.
 
+mod frame;
+mod random;
+mod warp;
