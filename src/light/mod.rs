@@ -1,1 +1,51 @@
+//! Lights: how one is chosen, how a point or direction on it is sampled, and with which density.
+//!
+//! Everything is in the kernel's own units: scene, lights and rays already rescaled. What a scene lacks is not built:
+//! no table for a single light, none for a constant environment, nothing at all where nothing emits.
+//!
+//! [`Lights`] answers two questions, and the answers agree: [`Lights::sample`] (next-event estimation), and with which
+//! density it would have produced a hit that BSDF sampling found ([`triangle_pdf`], [`sphere_pdf`],
+//! [`Lights::environment`]).
 
+mod alias;
+mod area;
+mod density;
+mod environment;
+mod image;
+mod lights;
+mod provisional;
+mod sample;
+mod sphere;
+mod triangle;
+
+pub use environment::EnvironmentMap;
+pub use lights::{ENVIRONMENT_PROBABILITY, Lights};
+pub use sample::{LightSample, NO_PRIMITIVE};
+pub use sphere::sphere_pdf;
+pub use triangle::triangle_pdf;
+
+use thiserror::Error;
+
+#[derive(Debug, Error, PartialEq, Eq)]
+pub enum LightError {
+    #[error("{count} primitives emit; the light table holds {most}. Make fewer of them emissive")]
+    TooMany { count: usize, most: usize },
+}
+
+/// A primitive that emits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emitter {
+    /// Triangles in file order, then spheres.
+    pub primitive: u32,
+    pub shape: EmitterShape,
+    /// Linear RGB, finite and ≥ 0.
+    pub radiance: [f32; 3],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EmitterShape {
+    /// Emits from its counter-clockwise side, where `e1` × `e2` points.
+    Triangle { p0: [f32; 3], e1: [f32; 3], e2: [f32; 3] },
+    /// Emits outwards.
+    Sphere { center: [f32; 3], radius: f32 },
+}

@@ -1,1 +1,13 @@
+//! Lights: each sampler against its density, against closed forms, and at every width the same.
 
+mod area;
+mod choice;
+mod environment;
+mod image;
+mod irradiance;
+mod scenes;
+mod sphere;
+mod widths;
+
+/// Statistical tests in this folder, for Šidák's bound. A generous count only widens the bound a little.
+const TESTS: usize = 80;

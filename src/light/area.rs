@@ -1,0 +1,212 @@
+//! The emitting primitives: one row each, chosen by power.
+
+use super::alias::{self, Builder, Slot};
+use super::sample::LightPoint;
+use super::sphere::{self, sphere_pdf};
+use super::triangle::{self, Triangle, triangle_pdf};
+use super::{Emitter, EmitterShape, LightError};
+use crate::lane::{Bits, Mask, Real, Vec3};
+use std::f64::consts::PI;
+
+/// What a lane needs to sample one emitter: one cache line.
+///
+/// Triangle: p0, e1, e2, unit front normal, radiance, choice probability / area.
+/// Sphere: centre, radius, –, radiance, choice probability.
+type Row = [f32; 16];
+const P0: usize = 0;
+const E1: usize = 3;
+const E2: usize = 6;
+const NG: usize = 9;
+const CENTER: usize = 0;
+const RADIUS: usize = 3;
+const RADIANCE: usize = 12;
+const PDF_ROW: usize = 15;
+
+pub(super) struct AreaLights {
+    /// Triangles, then spheres, each in order of their primitive.
+    rows: Vec<Row>,
+    /// The primitive of each row.
+    primitives: Vec<u32>,
+    first_sphere: usize,
+    /// Empty where there is nothing to choose.
+    table: Vec<Slot>,
+}
+
+impl AreaLights {
+    /// `None` where nothing emits. `share` is the probability with which area lights are chosen at all.
+    pub(super) fn build(mut emitters: Vec<Emitter>, share: f64) -> Result<Option<Self>, LightError> {
+        emitters.retain(|e| e.power() > 0.0);
+        if emitters.is_empty() {
+            return Ok(None);
+        }
+        if emitters.len() > alias::MAX_ENTRIES {
+            return Err(LightError::TooMany { count: emitters.len(), most: alias::MAX_ENTRIES });
+        }
+        emitters.sort_by_key(|e| (e.is_sphere(), e.primitive));
+        let first_sphere = emitters.partition_point(|e| !e.is_sphere());
+        let (table, probability) = choice_table(&emitters);
+        let rows = emitters.iter().zip(&probability).map(|(e, p)| row(e, p * share)).collect();
+        let primitives = emitters.iter().map(|e| e.primitive).collect();
+        Ok(Some(Self { rows, primitives, first_sphere, table }))
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    pub(super) fn memory(&self) -> usize {
+        size_of_val(&*self.rows) + size_of_val(&*self.primitives) + size_of_val(&*self.table)
+    }
+
+    /// A point on a light chosen by `u_choice`, as seen from `origin`, with its radiance and primitive.
+    #[inline(always)]
+    pub(super) fn sample<R: Real>(&self, origin: Vec3<R>, u_choice: R, u: [R; 2]) -> (LightPoint<R>, Vec3<R>, R::Bits) {
+        let index = self.choose(u_choice, u);
+        let pdf_row = self.field(index, PDF_ROW);
+        let point = if self.first_sphere == self.rows.len() {
+            self.sample_triangle(index, pdf_row, origin, u)
+        } else if self.first_sphere == 0 {
+            self.sample_sphere(index, pdf_row, origin, u)
+        } else {
+            let is_sphere = R::from_int(index).ge(R::splat(self.first_sphere as f32));
+            let triangle = self.sample_triangle(index, pdf_row, origin, u);
+            let sphere = self.sample_sphere(index, pdf_row, origin, u);
+            LightPoint::select(is_sphere, sphere, triangle)
+        };
+        let primitive = R::Bits::from_fn(|i| self.primitives[index.lane(i) as usize]);
+        (point, self.vector(index, RADIANCE), primitive)
+    }
+
+    #[inline(always)]
+    fn choose<R: Real>(&self, u_choice: R, u: [R; 2]) -> R::Bits {
+        if self.table.is_empty() {
+            return R::Bits::splat(0);
+        }
+        let [fine, keep] = alias::fresh(u_choice, u[0], u[1]);
+        let (place, _) = alias::place(self.table.len(), u_choice, fine);
+        alias::resolve(place, keep, |i| self.table[place.lane(i) as usize])
+    }
+
+    #[inline(always)]
+    fn sample_triangle<R: Real>(&self, index: R::Bits, row: R, origin: Vec3<R>, u: [R; 2]) -> LightPoint<R> {
+        let light = Triangle {
+            p0: self.vector(index, P0),
+            e1: self.vector(index, E1),
+            e2: self.vector(index, E2),
+            ng: self.vector(index, NG),
+        };
+        triangle::sample(&light, row, origin, u)
+    }
+
+    #[inline(always)]
+    fn sample_sphere<R: Real>(&self, index: R::Bits, row: R, origin: Vec3<R>, u: [R; 2]) -> LightPoint<R> {
+        sphere::sample(self.vector(index, CENTER), self.field(index, RADIUS), row, origin, u)
+    }
+
+    /// See [`Lights::emitter_pdf_row`](super::Lights::emitter_pdf_row).
+    pub(super) fn pdf_row(&self, primitive: u32) -> f32 {
+        self.find(primitive).map_or(0.0, |i| self.rows[i][PDF_ROW])
+    }
+
+    /// See [`Lights::pdf_area`](super::Lights::pdf_area).
+    pub(super) fn pdf<R: Real>(&self, primitive: R::Bits, origin: Vec3<R>, t: R, cos: R) -> R {
+        const NONE: Row = [0.0; 16];
+        let found: [Option<usize>; 32] =
+            core::array::from_fn(|i| if i < R::WIDTH { self.find(primitive.lane(i)) } else { None });
+        let field = |k: usize| R::from_fn(|i| found[i].map_or(&NONE, |at| &self.rows[at])[k]);
+        let sphere_lanes = (0..R::WIDTH).filter(|&i| found[i].is_some_and(|at| at >= self.first_sphere));
+        let is_sphere = R::Mask::from_bits(sphere_lanes.fold(0, |bits, i| bits | 1 << i));
+        let row = field(PDF_ROW);
+        let center = Vec3::new(field(CENTER), field(CENTER + 1), field(CENTER + 2));
+        let on_sphere = sphere_pdf(row, center, field(RADIUS), origin);
+        R::select(is_sphere, on_sphere, triangle_pdf(row, t, cos)).masked(row.gt(R::zero()))
+    }
+
+    fn find(&self, primitive: u32) -> Option<usize> {
+        let (triangles, spheres) = self.primitives.split_at(self.first_sphere);
+        let on_sphere = || spheres.binary_search(&primitive).ok().map(|i| i + self.first_sphere);
+        triangles.binary_search(&primitive).ok().or_else(on_sphere)
+    }
+
+    #[inline(always)]
+    fn field<R: Real>(&self, index: R::Bits, k: usize) -> R {
+        match self.rows.as_slice() {
+            [only] => R::splat(only[k]),
+            rows => R::from_fn(|i| rows[index.lane(i) as usize][k]),
+        }
+    }
+
+    #[inline(always)]
+    fn vector<R: Real>(&self, index: R::Bits, k: usize) -> Vec3<R> {
+        Vec3::new(self.field(index, k), self.field(index, k + 1), self.field(index, k + 2))
+    }
+}
+
+/// The table (none for a single light) and the probabilities with which it yields each emitter.
+fn choice_table(emitters: &[Emitter]) -> (Vec<Slot>, Vec<f64>) {
+    if emitters.len() == 1 {
+        return (Vec::new(), vec![1.0]);
+    }
+    // Relative to the strongest, because powers may leave the range of f32 where their ratios do not.
+    let strongest = emitters.iter().map(Emitter::power).fold(0.0, f64::max);
+    let weights: Vec<f32> = emitters.iter().map(|e| (e.power() / strongest) as f32).collect();
+    let mut table = vec![Slot::default(); weights.len()];
+    let mut probability = vec![0.0; weights.len()];
+    Builder::default().fill(&weights, &mut table);
+    alias::probabilities(&table, &mut probability);
+    (table, probability)
+}
+
+fn row(emitter: &Emitter, probability: f64) -> Row {
+    let mut row = [0.0; 16];
+    match emitter.shape {
+        EmitterShape::Triangle { p0, e1, e2 } => {
+            row[P0..P0 + 3].copy_from_slice(&p0);
+            row[E1..E1 + 3].copy_from_slice(&e1);
+            row[E2..E2 + 3].copy_from_slice(&e2);
+            let normal = cross(e1, e2);
+            let twice_area = length(normal);
+            for k in 0..3 {
+                row[NG + k] = (normal[k] / twice_area) as f32;
+            }
+            row[PDF_ROW] = (probability / (0.5 * twice_area)) as f32;
+        }
+        EmitterShape::Sphere { center, radius } => {
+            row[CENTER..CENTER + 3].copy_from_slice(&center);
+            row[RADIUS] = radius;
+            row[PDF_ROW] = probability as f32;
+        }
+    }
+    row[RADIANCE..RADIANCE + 3].copy_from_slice(&emitter.radiance);
+    row
+}
+
+impl Emitter {
+    /// Area in square units of the scene, in f64.
+    pub fn area(&self) -> f64 {
+        match self.shape {
+            EmitterShape::Triangle { e1, e2, .. } => 0.5 * length(cross(e1, e2)),
+            EmitterShape::Sphere { radius, .. } => 4.0 * PI * f64::from(radius) * f64::from(radius),
+        }
+    }
+
+    /// π · area · radiance, the mean over the channels: what the light is chosen by. The mean, not luminance, because
+    /// errors are measured per channel: a blue lamp deserves its samples.
+    pub fn power(&self) -> f64 {
+        let mean = self.radiance.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
+        PI * self.area() * mean
+    }
+
+    fn is_sphere(&self) -> bool {
+        matches!(self.shape, EmitterShape::Sphere { .. })
+    }
+}
+
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f64; 3] {
+    let ([a0, a1, a2], [b0, b1, b2]) = (a.map(f64::from), b.map(f64::from));
+    [a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0]
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|c| c * c).sum::<f64>().sqrt()
+}

@@ -1,0 +1,212 @@
+//! A latitude-longitude image: looking it up, and sampling directions in proportion to what the look-up returns.
+
+use super::density::{Density, Shape};
+use crate::lane::math::{atan2, sincos_2pi};
+use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::scene::EnvironmentImage;
+use core::f32::consts::FRAC_1_PI;
+
+/// Keeps the distance from a pole positive, so that at the pole itself density / sin θ takes its limit instead of
+/// 0/0. Far below anything a direction can resolve, and its quotients stay in range.
+const POLE: f32 = 1e-18;
+
+/// The image with its sampling density.
+pub struct ImageMap {
+    shape: Shape,
+    /// Row-major r, g, b, weight: the weight is what sampling is proportional to at the texel's centre, relative to
+    /// the largest.
+    texels: Vec<[f32; 4]>,
+    density: Density,
+}
+
+/// Where a direction falls between four texel centres.
+///
+/// Rows are counted from the nearer pole, so that positions near either are resolved relatively. Row cell 0 lies
+/// between the pole and the first row of centres and is half as high as the others.
+pub(super) struct Place<R: Real> {
+    /// The column of centres to the left.
+    column: R::Bits,
+    /// The row of centres away from the pole; the one towards it is `row` − 1.
+    row: R::Bits,
+    /// Is the nearer pole the one at −y?
+    south: R::Mask,
+    /// Position between the columns, from left to right, and between the rows, away from the pole, in [0, 1].
+    x: R,
+    y: R,
+}
+
+/// The four centres around a place: index 0 towards the pole.
+struct Corners<R> {
+    radiance: [[Vec3<R>; 2]; 2],
+    weight: [[R; 2]; 2],
+}
+
+impl ImageMap {
+    /// `None` where the image is black.
+    pub(super) fn build(image: &EnvironmentImage) -> Option<Self> {
+        let shape = Shape { width: image.width, height: image.height };
+        let mean = |t: &[f32; 3]| t.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
+        let largest = image.texels.iter().map(mean).fold(0.0, f64::max);
+        if largest <= 0.0 {
+            return None;
+        }
+        let mut texels = Vec::with_capacity(image.texels.len());
+        for (row, line) in image.texels.chunks_exact(image.width).enumerate() {
+            let sin_theta = (std::f64::consts::PI * (row as f64 + 0.5) / image.height as f64).sin();
+            texels.extend(line.iter().map(|t| [t[0], t[1], t[2], (mean(t) / largest * sin_theta) as f32]));
+        }
+        let density = Density::build(shape, |row, column| texels[row * shape.width + column][3]);
+        Some(Self { shape, texels, density })
+    }
+
+    pub(super) fn memory(&self) -> usize {
+        size_of_val(&*self.texels) + self.density.memory()
+    }
+
+    #[inline(always)]
+    pub(super) fn radiance<R: Real>(&self, d: Vec3<R>) -> Vec3<R> {
+        let (place, _) = self.locate(d);
+        self.corners(&place).radiance_at(&place)
+    }
+
+    #[inline(always)]
+    pub(super) fn radiance_and_pdf<R: Real>(&self, d: Vec3<R>) -> (Vec3<R>, R) {
+        let (place, sin_theta) = self.locate(d);
+        let corners = self.corners(&place);
+        (corners.radiance_at(&place), self.pdf(&place, &corners, sin_theta))
+    }
+
+    /// Direction, radiance, pdf.
+    #[inline(always)]
+    pub(super) fn sample<R: Real>(&self, u_choice: R, u: [R; 2]) -> (Vec3<R>, Vec3<R>, R) {
+        let cell = self.density.choose(u_choice, u);
+        let mut place = Place { column: cell.column, row: cell.row, south: cell.south, x: cell.x, y: cell.y };
+        let corners = self.corners(&place);
+        let [near, far] = corners.weight.map(|[left, right]| left + right);
+        place.y = invert_linear(place.y, near, far);
+        let mix = |side: usize| lerp(corners.weight[0][side], corners.weight[1][side], place.y);
+        place.x = invert_linear(place.x, mix(0), mix(1));
+        let polar = place.is_polar();
+        place.y = place.y.max_or(R::splat(POLE));
+
+        let (d, sin_theta) = self.direction(&place, polar);
+        (d, corners.radiance_at(&place), self.pdf(&place, &corners, sin_theta))
+    }
+
+    /// The place that `d` looks at, and the sine of its angle to the pole.
+    #[inline(always)]
+    fn locate<R: Real>(&self, d: Vec3<R>) -> (Place<R>, R) {
+        let (width, height) = (R::splat(self.shape.width as f32), R::splat(self.shape.height as f32));
+        // Not wrapped to [0, 1) before scaling: just left of the seam that would cost half the digits.
+        let u = atan2(d.x, -d.z) * R::splat(0.5 * FRAC_1_PI);
+        let from_left = u.mul_add(width, R::splat(-0.5));
+        let left = from_left.floor();
+        let x = from_left - left;
+        let wrapped = R::select(left.lt(R::zero()), left + width, left);
+        let column = clamp_index(wrapped, self.shape.width - 1);
+
+        let sin_theta = d.x.mul_add(d.x, d.z * d.z).sqrt().max_or(R::splat(POLE));
+        let rows = atan2(sin_theta, d.y.abs()) * R::splat(FRAC_1_PI) * height;
+        let from_pole = rows + R::splat(0.5);
+        let whole = from_pole.floor();
+        let row = clamp_index(whole, self.shape.height.div_ceil(2));
+        let polar = row.eq(R::Bits::splat(0));
+        let y = R::select(polar, rows + rows, from_pole - whole);
+        (Place { column, row, south: d.y.lt(R::zero()), x, y }, sin_theta)
+    }
+
+    /// The direction towards a place, and the sine of its angle to the pole.
+    #[inline(always)]
+    fn direction<R: Real>(&self, place: &Place<R>, polar: R::Mask) -> (Vec3<R>, R) {
+        let half = R::splat(0.5);
+        let rows = R::select(polar, half * place.y, R::from_int(place.row) - half + place.y);
+        let (sin_theta, cos_theta) = sincos_2pi(rows * R::splat(0.5 / self.shape.height as f32));
+        // Signed columns keep the digits that wrapping would cost left of the seam.
+        let column = R::from_int(place.column);
+        let width = R::splat(self.shape.width as f32);
+        let signed = R::select((column + column + R::one()).ge(width), column - width, column);
+        let turns = (signed + half + place.x) * R::splat(1.0 / self.shape.width as f32);
+        let (sin_abs, cos_phi) = sincos_2pi(turns.abs());
+        let sin_phi = R::select(turns.lt(R::zero()), -sin_abs, sin_abs);
+        let y = R::select(place.south, -cos_theta, cos_theta);
+        (Vec3::new(sin_theta * sin_phi, y, -(sin_theta * cos_phi)), sin_theta)
+    }
+
+    /// pdf_ω = pdf_uv / (2π² sinθ).
+    #[inline(always)]
+    fn pdf<R: Real>(&self, place: &Place<R>, corners: &Corners<R>, sin_theta: R) -> R {
+        let scale: R = self.density.scale(place.row, place.column, place.south);
+        let pdf = scale * corners.weight_at(place) / sin_theta;
+        pdf.masked(pdf.is_finite())
+    }
+
+    #[inline(always)]
+    fn corners<R: Real>(&self, place: &Place<R>) -> Corners<R> {
+        let mut radiance = [[Vec3::zero(); 2]; 2];
+        let mut weight = [[R::zero(); 2]; 2];
+        for lane in 0..R::WIDTH {
+            let left = place.column.lane(lane) as usize;
+            let columns = [left, if left + 1 == self.shape.width { 0 } else { left + 1 }];
+            let rows = self.shape.corner_rows(place.row.lane(lane) as usize, place.south.lane(lane));
+            for (i, row) in rows.into_iter().enumerate() {
+                for (j, column) in columns.into_iter().enumerate() {
+                    let [r, g, b, w] = self.texels[row * self.shape.width + column];
+                    radiance[i][j].set_lane(lane, [r, g, b]);
+                    weight[i][j].set_lane(lane, w);
+                }
+            }
+        }
+        // Nothing is lost towards a pole, where sin θ takes the weight to 0 whatever the radiance.
+        let inner = !place.is_polar();
+        weight[0] = weight[0].map(|w| w.masked(inner));
+        Corners { radiance, weight }
+    }
+}
+
+impl<R: Real> Place<R> {
+    #[inline(always)]
+    fn is_polar(&self) -> R::Mask {
+        self.row.eq(R::Bits::splat(0))
+    }
+}
+
+impl<R: Real> Corners<R> {
+    #[inline(always)]
+    fn radiance_at(&self, place: &Place<R>) -> Vec3<R> {
+        let [near, far] = self.radiance.map(|[left, right]| {
+            Vec3::new(lerp(left.x, right.x, place.x), lerp(left.y, right.y, place.x), lerp(left.z, right.z, place.x))
+        });
+        Vec3::new(lerp(near.x, far.x, place.y), lerp(near.y, far.y, place.y), lerp(near.z, far.z, place.y))
+    }
+
+    #[inline(always)]
+    fn weight_at(&self, place: &Place<R>) -> R {
+        let [near, far] = self.weight.map(|[left, right]| lerp(left, right, place.x));
+        lerp(near, far, place.y)
+    }
+}
+
+/// `(1 − t)·a + t·b`: exact at both ends and for a = b = 2ⁿ, and free of cancellation for a, b ≥ 0.
+#[inline(always)]
+fn lerp<R: Real>(a: R, b: R, t: R) -> R {
+    b.mul_add(t, a * (R::one() - t))
+}
+
+/// The x in [0, 1] below which a density ∝ (1 − x)·a + x·b (a, b ≥ 0) holds the share `u`; uniform where both are 0.
+/// The quadratic's root in the form that does not cancel (Pharr, Jakob, Humphreys 2023, §A.4.1).
+#[inline(always)]
+fn invert_linear<R: Real>(u: R, a: R, b: R) -> R {
+    let sum = a + b;
+    let a = a / sum;
+    let b = b / sum;
+    let root = lerp(a * a, b * b, u).safe_sqrt();
+    let x = u / (a + root);
+    // 0/0 where u = a = 0: the limit is 0, which a NaN gives way to.
+    R::select(sum.gt(R::zero()), x.max_or(R::zero()).min_or(R::one()), u)
+}
+
+/// `value` in 0 …= `last`; NaN counts as 0, so that dead lanes read somewhere valid.
+#[inline(always)]
+fn clamp_index<R: Real>(value: R, last: usize) -> R::Bits {
+    value.max_or(R::zero()).min_or(R::splat(last as f32)).to_int()
+}

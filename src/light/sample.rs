@@ -1,0 +1,94 @@
+//! What sampling a light gives.
+
+use crate::lane::{Bits, Mask, Real, Vec3};
+
+/// In [`LightSample::primitive`]: not a primitive but the environment (or no sample).
+pub const NO_PRIMITIVE: u32 = u32::MAX;
+
+/// One light sample per lane. A lane with `pdf` 0 holds none: its radiance is 0 and nothing else of it is meaningful.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample<R: Real> {
+    /// Unit, towards the light.
+    pub wi: Vec3<R>,
+    /// The point on an area light.
+    pub target: Vec3<R>,
+    /// How far each coordinate of `target` may be off the true surface.
+    pub target_error: Vec3<R>,
+    /// Unit normal at `target` on the emitting side.
+    pub ng: Vec3<R>,
+    /// To `target`; infinite for the environment.
+    pub distance: R,
+    pub radiance: Vec3<R>,
+    /// In solid angle, the choice of light included.
+    pub pdf: R,
+    pub is_environment: R::Mask,
+    /// The emitting primitive, or [`NO_PRIMITIVE`].
+    pub primitive: R::Bits,
+}
+
+/// A point on an area light as its shape produces it.
+pub(super) struct LightPoint<R> {
+    pub wi: Vec3<R>,
+    pub target: Vec3<R>,
+    pub target_error: Vec3<R>,
+    pub ng: Vec3<R>,
+    pub distance: R,
+    pub pdf: R,
+}
+
+impl<R: Real> LightPoint<R> {
+    #[inline(always)]
+    pub(super) fn select(mask: R::Mask, a: Self, b: Self) -> Self {
+        Self {
+            wi: Vec3::select(mask, a.wi, b.wi),
+            target: Vec3::select(mask, a.target, b.target),
+            target_error: Vec3::select(mask, a.target_error, b.target_error),
+            ng: Vec3::select(mask, a.ng, b.ng),
+            distance: R::select(mask, a.distance, b.distance),
+            pdf: R::select(mask, a.pdf, b.pdf),
+        }
+    }
+}
+
+impl<R: Real> LightSample<R> {
+    #[inline(always)]
+    pub(super) fn none() -> Self {
+        Self {
+            wi: Vec3::zero(),
+            target: Vec3::zero(),
+            target_error: Vec3::zero(),
+            ng: Vec3::zero(),
+            distance: R::zero(),
+            radiance: Vec3::zero(),
+            pdf: R::zero(),
+            is_environment: R::Mask::splat(false),
+            primitive: R::Bits::splat(NO_PRIMITIVE),
+        }
+    }
+
+    /// Without radiance and pdf where `active` does not hold or the pdf is 0.
+    #[inline(always)]
+    pub(super) fn only(mut self, active: R::Mask) -> Self {
+        let valid = active & self.pdf.gt(R::zero());
+        self.pdf = self.pdf.masked(valid);
+        self.radiance = self.radiance.masked(valid);
+        self.is_environment = self.is_environment & valid;
+        self.primitive = R::Bits::select(valid, self.primitive, R::Bits::splat(NO_PRIMITIVE));
+        self
+    }
+
+    #[inline(always)]
+    pub(super) fn select(mask: R::Mask, a: Self, b: Self) -> Self {
+        Self {
+            wi: Vec3::select(mask, a.wi, b.wi),
+            target: Vec3::select(mask, a.target, b.target),
+            target_error: Vec3::select(mask, a.target_error, b.target_error),
+            ng: Vec3::select(mask, a.ng, b.ng),
+            distance: R::select(mask, a.distance, b.distance),
+            radiance: Vec3::select(mask, a.radiance, b.radiance),
+            pdf: R::select(mask, a.pdf, b.pdf),
+            is_environment: (a.is_environment & mask) | (b.is_environment & !mask),
+            primitive: R::Bits::select(mask, a.primitive, b.primitive),
+        }
+    }
+}
