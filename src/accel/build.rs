@@ -8,9 +8,11 @@ use serde::Serialize;
 use std::time::Duration;
 
 /// How much time to spend on the tree. Results do not depend on it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Preset {
+    /// The tree is soonest there.
     Fast,
+    /// Most of the rays per second for a fraction of the build.
     #[default]
     Medium,
     /// A few per cent more rays for ten times the build.

@@ -2,17 +2,13 @@
 
 use super::CliError;
 use super::scene_args::{SceneArgs, parse_lanes};
-use crate::accel::bench_rays::{BenchRaysArgs, bench_rays_command};
 use crate::kernel::{Width, World};
 use crate::plan::Force;
 use crate::report::bench::{SceneBench, bench_scene};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
-#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct BenchArgs {
-    #[command(subcommand)]
-    rays: Option<BenchWhat>,
     #[command(flatten)]
     scene: Option<SceneArgs>,
     /// Lane widths to measure, interleaved [default: the fastest of this build]
@@ -35,17 +31,7 @@ pub struct BenchArgs {
     json: Option<PathBuf>,
 }
 
-#[derive(clap::Subcommand)]
-enum BenchWhat {
-    /// Rays per second on the .tri and .rays files of DATA/NAME
-    Rays(BenchRaysArgs),
-}
-
 pub fn run(args: &BenchArgs) -> Result<bool, CliError> {
-    if let Some(BenchWhat::Rays(rays)) = &args.rays {
-        bench_rays_command(rays)?;
-        return Ok(true);
-    }
     let Some(scene_args) = &args.scene else {
         return Err(CliError::Usage("bench what? give a scene, or `bench rays DATA/NAME`".into()));
     };

@@ -44,10 +44,10 @@ pub fn run(args: &CheckArgs) -> Result<bool, CliError> {
     let primitives = scene.mesh.triangles.len() + scene.spheres.len();
     let world = |force: Force| args.scene.prepare(&scene, force, false);
     let geometry = |mode| Force { general: true, geometry: Some(mode) };
-    let general = world(geometry(GeometryMode::Tree));
-    let planned = world(Force::default());
+    let general = world(geometry(GeometryMode::Tree))?;
+    let planned = world(Force::default())?;
     let mut worlds: Vec<(&str, &World)> = vec![("general", &general), ("specialised", &planned)];
-    let brute = (primitives <= BRUTE_FORCE_CHECK_LIMIT).then(|| world(geometry(GeometryMode::Brute)));
+    let brute = (primitives <= BRUTE_FORCE_CHECK_LIMIT).then(|| world(geometry(GeometryMode::Brute))).transpose()?;
     if let Some(brute) = &brute {
         worlds.push(("brute force", brute));
     }

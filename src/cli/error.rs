@@ -13,7 +13,7 @@ pub enum CliError {
     #[error(transparent)]
     Compare(#[from] crate::report::CompareError),
     #[error(transparent)]
-    BenchRays(#[from] crate::accel::bench_rays::BenchRaysError),
+    Light(#[from] crate::light::LightError),
     #[error("{path}: cannot write: {source}; choose another path", path = .path.display())]
     Write { path: PathBuf, source: std::io::Error },
     #[error("no worker threads: {0}; ask for fewer with --threads")]

@@ -1,7 +1,7 @@
 //! What every command that loads a scene understands, and the way from a path to a prepared world.
 
 use super::CliError;
-use crate::accel::BuildPreset;
+use crate::accel::Preset;
 use crate::kernel::{Prepare, Width, World};
 use crate::plan::{Force, Plan};
 use crate::render::{self, Times};
@@ -20,8 +20,8 @@ pub struct SceneArgs {
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
     /// Tree quality
-    #[arg(long, value_enum, default_value_t = BuildPreset::Medium)]
-    pub build: BuildPreset,
+    #[arg(long, value_enum, default_value_t = Preset::Medium)]
+    pub build: Preset,
 }
 
 /// Lane width and threads.
@@ -65,12 +65,13 @@ impl SceneArgs {
         let scene = self.load()?;
         let load = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let world = self.prepare(&scene, force, albedo);
+        let world = self.prepare(&scene, force, albedo)?;
         Ok((scene, world, Times { load, setup: start.elapsed().as_secs_f64(), pilot: 0.0 }))
     }
 
-    pub fn prepare(&self, scene: &Scene, force: Force, albedo: bool) -> World {
-        World::new(scene, Plan::new(scene, force, albedo), Prepare { seed: self.seed, build: self.build })
+    pub fn prepare(&self, scene: &Scene, force: Force, albedo: bool) -> Result<World, CliError> {
+        let options = Prepare { seed: self.seed, build: self.build };
+        Ok(World::new(scene, Plan::new(scene, force, albedo), options)?)
     }
 }
 

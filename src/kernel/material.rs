@@ -1,6 +1,6 @@
 //! Materials in lanes: one row a material, fetched by the lanes that hit it; the models evaluated where they occur.
 
-use crate::bsdf::{Conductor, ConductorFresnel, Dielectric, Diffuse, Eval, Sample};
+use crate::bsdf::{ALPHA_MIN, Conductor, ConductorFresnel, Dielectric, Diffuse, Eval, Model, Sample};
 use crate::geometry::Rows;
 use crate::lane::{Mask, Real, Vec3};
 use crate::plan::Shading;
@@ -167,7 +167,7 @@ impl<R: Real> MaterialAt<R> {
         match S::SHADING {
             Shading::Lambert => R::Mask::splat(false),
             Shading::General => {
-                !self.is(KIND_DIFFUSE) & self.alpha.lt(R::splat(crate::bsdf::ALPHA_MIN))
+                !self.is(KIND_DIFFUSE) & self.alpha.lt(R::splat(ALPHA_MIN))
             }
         }
     }

@@ -58,7 +58,7 @@ impl<R: Real> Paths<R> {
             hit: Hit::miss(R::splat(f32::INFINITY)),
             beta: Vec3::zero(),
             radiance: Vec3::zero(),
-            rng: Xoshiro::default(),
+            rng: Xoshiro::from_keys(|_| 0),
             bsdf_pdf: R::splat(f32::INFINITY),
             eta_squared: R::one(),
             bounce: R::zero(),

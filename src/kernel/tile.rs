@@ -165,7 +165,7 @@ impl<'a, R: Real> CameraQueue<'a, R> {
     #[inline(never)]
     pub fn next_packet<M: Mode>(&mut self, trace: bool) -> Option<CameraPacket<R>> {
         let (mut x, mut y) = (R::zero(), R::zero());
-        let mut rng = Xoshiro::<R>::default();
+        let mut rng = Xoshiro::<R>::from_keys(|_| 0);
         let mut slot = R::Bits::splat(0);
         let mut made = 0;
         let job = self.job;
@@ -204,9 +204,7 @@ impl<R: Real> CameraPacket<R> {
         paths.hit.u.set_lane(to, self.hit.u.lane(from));
         paths.hit.v.set_lane(to, self.hit.v.lane(from));
         paths.hit.primitive.set_lane(to, self.hit.primitive.lane(from));
-        for (state, ready) in paths.rng.s.iter_mut().zip(self.rng.s) {
-            state.set_lane(to, ready.lane(from));
-        }
+        paths.rng.copy_lane(to, &self.rng, from);
         paths.beta.set_lane(to, [1.0; 3]);
         paths.radiance.set_lane(to, [0.0; 3]);
         paths.bsdf_pdf.set_lane(to, f32::INFINITY);

@@ -32,6 +32,14 @@ impl<R: Real> Xoshiro<R> {
         }
     }
 
+    /// Lane `to` goes on where lane `from` of `other` is.
+    #[inline(always)]
+    pub fn copy_lane(&mut self, to: usize, other: &Self, from: usize) {
+        for (state, theirs) in self.s.iter_mut().zip(other.s) {
+            state.set_lane(to, theirs.lane(from));
+        }
+    }
+
     /// 32 random bits a lane.
     #[inline(always)]
     pub fn next_bits(&mut self) -> R::Bits {
