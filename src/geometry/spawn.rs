@@ -19,8 +19,9 @@ const fn gamma(n: i32) -> f32 {
 
 /// p0 + (u e1 + v e2), within 1.5 ulp.
 ///
-/// The bound is γ(7)(|p0| + |e1| + |e2|) rather than pbrt's γ(7)Σ|bᵢpᵢ|, which it exceeds: a ray that leaves at a low
-/// angle meets the plane far from the hit, where the test's error grows with the triangle and not with this point.
+/// The bound is γ(7)(|p0| + |e1| + |e2|), the largest of the three axes on each, rather than pbrt's γ(7)Σ|bᵢpᵢ| axis by
+/// axis, which it exceeds: the test shears all axes into one another, so in a wall x = 0 it errs in x by its y and z;
+/// and a ray that leaves at a low angle meets the plane far from the hit, where the error grows with the triangle.
 #[inline(always)]
 pub fn triangle_point<R: Real>(at: &TriangleAt<R>, u: R, v: R) -> SurfacePoint<R> {
     let (p0, e1, e2) = (at.p0, at.e1, at.e2);
@@ -28,7 +29,7 @@ pub fn triangle_point<R: Real>(at: &TriangleAt<R>, u: R, v: R) -> SurfacePoint<R
     let p = Vec3::new(p0.x + along(e1.x, e2.x), p0.y + along(e1.y, e2.y), p0.z + along(e1.z, e2.z));
     let bound = |p: R, a: R, b: R| (p.abs() + (a.abs() + b.abs())) * R::splat(gamma(7));
     let error = Vec3::new(bound(p0.x, e1.x, e2.x), bound(p0.y, e1.y, e2.y), bound(p0.z, e1.z, e2.z));
-    SurfacePoint { p, error }
+    SurfacePoint { p, error: Vec3::all(error.max_component()) }
 }
 
 /// A point near the sphere's surface moved onto it, and the unit normal there (outwards).
@@ -41,7 +42,7 @@ pub fn sphere_point<R: Real>(at: &SphereAt<R>, near: Vec3<R>) -> (SurfacePoint<R
     let p = n.mul_add(at.radius, at.center);
     let bound = |c: R| (c.abs() + at.radius) * R::splat(gamma(14));
     let error = Vec3::new(bound(at.center.x), bound(at.center.y), bound(at.center.z));
-    (SurfacePoint { p, error }, n)
+    (SurfacePoint { p, error: Vec3::all(error.max_component()) }, n)
 }
 
 /// `p` moved off its surface along the unit normal `ng`, to the side that `w` points to, by the distance at which the

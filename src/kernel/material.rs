@@ -134,11 +134,11 @@ impl<R: Real> MaterialAt<R> {
         if S::SHADING == Shading::General {
             let conductor = self.is(KIND_CONDUCTOR);
             if (conductor & active).any() {
-                eval = select_eval(conductor, self.conductor().eval(wo, wi), eval);
+                eval = select_eval(conductor, eval_out_of_line(&self.conductor(), wo, wi), eval);
             }
             let dielectric = self.is(KIND_DIELECTRIC);
             if (dielectric & active).any() {
-                eval = select_eval(dielectric, self.dielectric().eval(wo, wi), eval);
+                eval = select_eval(dielectric, eval_out_of_line(&self.dielectric(), wo, wi), eval);
             }
         }
         eval
@@ -151,11 +151,11 @@ impl<R: Real> MaterialAt<R> {
         if S::SHADING == Shading::General {
             let conductor = self.is(KIND_CONDUCTOR);
             if (conductor & active).any() {
-                sample = select_sample(conductor, self.conductor().sample(wo, u_lobe, u), sample);
+                sample = select_sample(conductor, sample_out_of_line(&self.conductor(), wo, u_lobe, u), sample);
             }
             let dielectric = self.is(KIND_DIELECTRIC);
             if (dielectric & active).any() {
-                sample = select_sample(dielectric, self.dielectric().sample(wo, u_lobe, u), sample);
+                sample = select_sample(dielectric, sample_out_of_line(&self.dielectric(), wo, u_lobe, u), sample);
             }
         }
         sample
@@ -178,6 +178,18 @@ impl<R: Real> MaterialAt<R> {
         let normal_incidence = self.conductor().fresnel.reflectance(R::one());
         Vec3::select(self.is(KIND_CONDUCTOR), normal_incidence, self.a)
     }
+}
+
+/// The microfacet models are long and rare beside Lambert: one copy a width, called, instead of one in every kernel.
+#[inline(never)]
+fn eval_out_of_line<R: Real, B: Model<R>>(bsdf: &B, wo: Vec3<R>, wi: Vec3<R>) -> Eval<R> {
+    bsdf.eval(wo, wi)
+}
+
+/// See [`eval_out_of_line`].
+#[inline(never)]
+fn sample_out_of_line<R: Real, B: Model<R>>(bsdf: &B, wo: Vec3<R>, u_lobe: R, u: [R; 2]) -> Sample<R> {
+    bsdf.sample(wo, u_lobe, u)
 }
 
 #[inline(always)]

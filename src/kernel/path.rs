@@ -86,13 +86,13 @@ pub fn render<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     loop {
         if T::PRETRACED {
             if paths.alive.any() {
-                paths.hit = world.accel.trace::<R, T::Bounce>(&paths.ray, paths.alive);
+                paths.hit = world.closest::<R, T::Bounce>(&paths.ray, paths.alive);
             }
             queue.refill::<T>(&mut paths);
         } else {
             queue.refill::<T>(&mut paths);
             if paths.alive.any() {
-                paths.hit = world.accel.trace::<R, T::Bounce>(&paths.ray, paths.alive);
+                paths.hit = world.closest::<R, T::Bounce>(&paths.ray, paths.alive);
             }
         }
         if paths.alive.none() {
@@ -173,7 +173,7 @@ fn mis_weight<R: Real>(pdf: R, other: R) -> R {
 }
 
 /// Radiance of the environment for rays that left the scene.
-#[inline(always)]
+#[inline(never)]
 fn add_environment<R: Real, P: Probe>(world: &World, paths: &mut Paths<R>, missed: R::Mask, probe: &mut P) {
     let Some(lights) = world.lights.as_ref().filter(|_| world.plan.environment) else { return };
     let (radiance, pdf) = lights.environment(paths.ray.direction);
@@ -223,12 +223,12 @@ fn add_direct_light<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     counters: &mut Counters,
     probe: &mut P,
 ) {
-    let Some(lights) = &world.lights else { return };
     let lit = scatters & !surface.material.is_delta::<S>();
     if lit.none() {
         return;
     }
-    let light = lights.sample(surface.at.p, u[LIGHT_CHOICE], [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]], lit);
+    let u_position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
+    let Some(light) = world.sample_light(surface.at.p, u[LIGHT_CHOICE], u_position, lit) else { return };
     let wi = frame.to_local(light.wi);
     let pdf = probe.tap(Stage::LightPdf, paths.lanes(lit), light.pdf);
     let lit = lit & pdf.gt(R::zero()) & same_side(wi.z, surface.ng.dot(light.wi));
@@ -242,7 +242,7 @@ fn add_direct_light<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     }
     let ray = light_ray(surface, &light);
     counters.shadow(carries);
-    let occluded = world.accel.occluded::<R, T::Shadow>(&ray, carries);
+    let occluded = world.occluded::<R, T::Shadow>(&ray, carries);
     let occluded = probe.tap_mask(Stage::Shadow, paths.lanes(carries), occluded);
     paths.radiance = paths.radiance + contribution.masked(carries & !occluded);
 }

@@ -188,7 +188,7 @@ impl<'a, R: Real> CameraQueue<'a, R> {
         }
         let u = rng.camera_dims();
         let ray = self.world.camera.ray(x + u[PIXEL], y + u[PIXEL + 1]);
-        let hit = if trace { self.world.accel.trace::<R, M>(&ray, active) } else { Hit::miss(ray.t_max) };
+        let hit = if trace { self.world.closest::<R, M>(&ray, active) } else { Hit::miss(ray.t_max) };
         Some(CameraPacket { ray, hit, rng, slot, active })
     }
 }

@@ -2,10 +2,10 @@
 
 use super::camera::Camera;
 use super::material::MaterialTable;
-use crate::accel::{Accel, BuildOptions, BuildReport, Preset};
-use crate::geometry::{Rows, SphereAt, SphereRows, TriangleRows};
-use crate::lane::{Bits, Real};
-use crate::light::{Emitter, EmitterShape, LightError, Lights};
+use crate::accel::{Accel, BuildOptions, BuildReport, Mode, Preset};
+use crate::geometry::{Hit, Ray, Rows, SphereAt, SphereRows, TriangleRows};
+use crate::lane::{Bits, Real, Vec3};
+use crate::light::{Emitter, EmitterShape, LightError, LightSample, Lights};
 use crate::plan::{GeometryMode, Plan};
 use crate::scene::{FilmSize, Integrator, NO_NORMAL, Scene};
 use std::time::Instant;
@@ -101,6 +101,24 @@ impl World {
             plan,
             setup,
         })
+    }
+
+    /// The closest hits. One copy a width and mode, called: kernels stay small, and profiles tell traversal apart.
+    #[inline(never)]
+    pub fn closest<R: Real, M: Mode>(&self, ray: &Ray<R>, active: R::Mask) -> Hit<R> {
+        self.accel.trace::<R, M>(ray, active)
+    }
+
+    /// Is anything in the way?
+    #[inline(never)]
+    pub fn occluded<R: Real, M: Mode>(&self, ray: &Ray<R>, active: R::Mask) -> R::Mask {
+        self.accel.occluded::<R, M>(ray, active)
+    }
+
+    /// A sample of some light as seen from `p`.
+    #[inline(never)]
+    pub fn sample_light<R: Real>(&self, p: Vec3<R>, u_choice: R, u: [R; 2], active: R::Mask) -> Option<LightSample<R>> {
+        Some(self.lights.as_ref()?.sample(p, u_choice, u, active))
     }
 
     /// The spheres that lanes hit.
