@@ -4,10 +4,14 @@ mod stats;
 
 mod bsdf;
 mod cli;
+mod closed_forms;
+mod equivalence;
 mod film;
 mod lane;
 mod light;
 mod oracle;
+mod references;
+mod renders;
 mod sampling;
 mod scene_files;
 mod traversal;
