@@ -207,20 +207,38 @@ fn diffuse_albedo(bsdf: &Bsdf, wo: V3) -> [f64; 3] {
     })
 }
 
-/// ∫ f |cosθi| dω_i = ∫ f |cosθi| |dω_i/dω_m| / (D m_z) · D m_z dω_m, where D m_z dω_m = du dφ/2π. The azimuth runs from
-/// that of `wo`, half way round: the other half is its mirror image.
+/// ∫ f |cosθi| dω_i = ∫ f |cosθi| |dω_i/dω_m| / (D m_z) · D m_z dω_m over half vectors m, in polar coordinates: azimuth
+/// from that of `wo`, half way round (the other half is its mirror image), and ψ with tanθm = α tanψ, for which
+/// D m_z dω_m = 2 sinψ cosψ dψ dφ/2π is smooth.
 fn half_vector_integral(bsdf: &Bsdf, ggx: Ggx, eta: f64, wo: V3, reflected: bool) -> [f64; 3] {
-    let turn = wo.y().atan2(wo.x()) / (2.0 * PI);
-    std::array::from_fn(|c| {
-        let f = |s: f64, half_turn: f64| {
-            // u = 1 − (1 − s)²: crowds the points where facets stand steep and the integrand ends in a root.
-            let u = 1.0 - (1.0 - s) * (1.0 - s);
-            let m = ggx.normal([u, turn + 0.5 * half_turn]);
+    // From behind, it is the opposite azimuth whose facets lean towards `wo`.
+    let azimuth = (wo.y() * wo.z()).atan2(wo.x() * wo.z());
+    let tan_o = wo.x().hypot(wo.y()) / wo.z().abs();
+    let channel = |c: usize| {
+        let f = |t: f64, half_turn: f64| {
+            let phi = PI * half_turn;
+            // Facets too steep reflect below the horizon: slopes r with (r cosφ − tanθo)² + (r sinφ)² > 1/cos²θo.
+            let x = tan_o * phi.cos();
+            let steepest = if x > 0.0 { x + x.hypot(1.0) } else { 1.0 / (x.hypot(1.0) - x) };
+            let psi_max = if reflected { (steepest / ggx.alpha).atan() } else { 0.5 * PI };
+            // Crowds ψ near its end: for small alphas everything of slope 1 is there.
+            let rest = 1.0 - t;
+            let psi = psi_max * (1.0 - rest * rest * rest);
+            let (sin, cos) = psi.sin_cos();
+            let m =
+                V3::new(ggx.alpha * sin * (azimuth + phi).cos(), ggx.alpha * sin * (azimuth + phi).sin(), cos).unit();
             let wi = if reflected { Some(reflect(wo, m)) } else { refract(wo, m, eta) };
             let Some(wi) = wi.filter(|wi| (wi.z() * wo.z() > 0.0) == reflected) else { return 0.0 };
             let jacobian = jacobian(wo, wi, m, eta, reflected);
-            bsdf_eval(bsdf, wo.0, wi.0)[c] * jacobian / (ggx.d(m) * m.z()) * 2.0 * (1.0 - s)
+            let value = bsdf_eval(bsdf, wo.0, wi.0)[c] * jacobian / (ggx.d(m) * m.z());
+            value * 2.0 * sin * cos * psi_max * 3.0 * rest * rest
         };
-        Adaptive::new(1e-7, f).integrate(Rect { x: [0.0, 1.0], y: [0.0, 1.0] }, 3).0
-    })
+        Adaptive::new(1e-8, f).integrate(Rect { x: [0.0, 1.0], y: [0.0, 1.0] }, 3).0
+    };
+    let red = channel(0);
+    let grey = match bsdf {
+        Bsdf::Conductor { fresnel: ConductorFresnel::Constant { reflectance: [r, g, b] }, .. } => r == g && g == b,
+        _ => matches!(bsdf, Bsdf::Dielectric { .. }),
+    };
+    if grey { [red; 3] } else { [red, channel(1), channel(2)] }
 }

@@ -85,9 +85,8 @@ fn normal_distribution_matches_the_oracles() {
     }
 }
 
-/// The whole table of single-scattering albedos. Alphas such as 0.1 are rounded to f32 in the scene: 6e-8 of them, and
-/// |dE/dα| < 1 away from grazing; near it E turns within dμ ~ α, |dE/d ln α| < .3 all the same. So 1e-7 + the
-/// quadrature's own 1e-6.
+/// The whole table of single-scattering albedos. Alphas such as 0.1 are rounded to f32 in the scene: 6e-8 of them, times
+/// |dE/d ln α| < .3, and the quadrature's own 1e-7.
 #[test]
 fn ggx_albedo_matches_the_oracles() {
     for (category, masking) in [
@@ -100,7 +99,7 @@ fn ggx_albedo_matches_the_oracles() {
             for mu in [mu, -mu] {
                 let albedo = directional_albedo(&metal(alpha, masking), at(mu));
                 let off = albedo.reflected[0] - case.value;
-                assert!(off.abs() < 1.1e-6, "{}: {} for {}", case.id, albedo.reflected[0], case.value);
+                assert!(off.abs() < 1.2e-7, "{}: {} for {}", case.id, albedo.reflected[0], case.value);
                 assert_eq!(albedo.transmitted, [0.0; 3]);
             }
         }
