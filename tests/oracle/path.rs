@@ -89,7 +89,7 @@ impl<'a> Renderer<'a> {
             let bsdf = &self.scene.materials[surface.material].bsdf;
             counted = self.direct == Direct::Area && matches!(bsdf, Bsdf::Diffuse { .. });
             if counted {
-                sum = sum + beta.times(self.from_emitters(&surface, bsdf, wo, rng));
+                sum = sum + beta.times(self.sampled_light(&surface, bsdf, wo, rng));
             }
             let frame = Frame::about(surface.ns);
             let Some(sampled) = bsdf::sample(bsdf, frame.to_local(wo), rng) else { break };
@@ -104,7 +104,7 @@ impl<'a> Renderer<'a> {
     }
 
     /// Light from one point on one emitter.
-    fn from_emitters(&self, surface: &Surface, bsdf: &Bsdf, wo: V3, rng: &mut Rng) -> V3 {
+    fn sampled_light(&self, surface: &Surface, bsdf: &Bsdf, wo: V3, rng: &mut Rng) -> V3 {
         let Some(light) = self.emitters.sample(self.scene, &self.geometry, rng) else { return V3::default() };
         let to = light.p - surface.p;
         let distance = to.length();

@@ -69,7 +69,7 @@ fn ggx_furnace_matches_the_table() {
     for (id, alpha, mu, masking) in cases {
         let Some(case) = oracle(id) else { return };
         let bsdf = Bsdf::Conductor { alpha, masking, fresnel: WHITE };
-        let (sin, cos) = ((1.0 - mu * mu as f64).sqrt() as f32, mu as f32);
+        let (sin, cos) = (f64::sqrt(1.0 - mu * mu) as f32, mu as f32);
         let patch = [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]];
         for side in [1.0, -1.0] {
             let scene = SceneBuilder::new().quad(patch, bsdf, 0.0).sky(1.0);
