@@ -15,9 +15,10 @@ pub struct Hit {
     pub v: f64,
 }
 
-/// The nearest hit with t > 0, both sides of everything; among equal t the lower primitive.
+/// The nearest hit with t > 0, both sides of everything; among equal t the lower primitive. For many rays through one
+/// scene: [`Geometry::new`] once, then [`Geometry::trace`].
 pub fn closest_hit(scene: &Scene, origin: [f64; 3], dir: [f64; 3]) -> Option<Hit> {
-    Geometry::new(scene).closest(V3(origin), V3(dir), 0.0)
+    Geometry::new(scene).trace(origin, dir, 0.0)
 }
 
 struct Triangle {
@@ -80,6 +81,11 @@ impl Geometry {
             .chain(balls.iter().map(|b| largest(b.center) + b.radius))
             .fold(largest(V3::of(scene.camera.position)), f64::max);
         Geometry { triangles, balls, t_min: 1e-9 * extent }
+    }
+
+    /// The nearest hit with t > `t_min`, for callers without a vector type of ours.
+    pub fn trace(&self, origin: [f64; 3], dir: [f64; 3], t_min: f64) -> Option<Hit> {
+        self.closest(V3(origin), V3(dir), t_min)
     }
 
     /// The nearest hit with t > `t_min`.

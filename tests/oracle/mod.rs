@@ -36,7 +36,7 @@ pub use bsdf::{Albedo, bsdf_eval, directional_albedo};
 pub use camera::camera_ray;
 pub use environment::environment_radiance;
 pub use fresnel::{fresnel_conductor, fresnel_dielectric, fresnel_schlick};
-pub use geometry::{Hit, closest_hit};
+pub use geometry::{Geometry, Hit, closest_hit};
 pub use image::{Estimate, Image, Region};
 pub use path::{Direct, Renderer, render};
 pub use reference::{read_image, read_scene};

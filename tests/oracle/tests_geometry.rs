@@ -68,6 +68,7 @@ fn barycentrics_and_order_are_the_scenes() {
 #[test]
 fn closed_meshes_are_watertight() {
     let scene = SceneBuilder::new().cuboid([-1.0; 3], [1.0; 3], false, |_| (LAMBERT(0.5), 0.0)).build();
+    let geometry = Geometry::new(&scene);
     let mut rng = Rng::new(2);
     for i in 0..20_000 {
         let origin = [rng.range(-0.9, 0.9), rng.range(-0.9, 0.9), rng.range(-0.9, 0.9)];
@@ -75,7 +76,7 @@ fn closed_meshes_are_watertight() {
         let s = rng.range(-1.0, 1.0);
         let target = [[1.0, 1.0, s], [s, s, 1.0], [-1.0, s, -1.0], [s, -s, -1.0]][i / 2 % 4];
         let dir = if i % 2 == 0 { rng.sphere() } else { (V3(target) - V3(origin)).0 };
-        assert!(closest_hit(&scene, origin, dir).is_some(), "{origin:?} → {dir:?}");
+        assert!(geometry.trace(origin, dir, 0.0).is_some(), "{origin:?} → {dir:?}");
     }
 }
 
@@ -124,7 +125,7 @@ fn points_on_primitives_are_uniform() {
     let p = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 3.0]];
     let scene =
         SceneBuilder::new().triangle(p, LAMBERT(0.5), 0.0).sphere([5.0, 0.0, 0.0], 2.0, LAMBERT(0.5), 0.0).build();
-    let geometry = super::geometry::Geometry::new(&scene);
+    let geometry = Geometry::new(&scene);
     assert_eq!((geometry.area(0), geometry.area(1)), (3.0, 16.0 * PI));
     let mut rng = Rng::new(4);
     let mut moments = [Moments::new(); 4];

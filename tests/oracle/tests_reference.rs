@@ -3,6 +3,7 @@
 use super::reference::{read_image, read_scene};
 use super::*;
 use crate::stats::shared_dir;
+use octolux::scene::{Bsdf, Masking};
 
 /// Renders the scene at 32 × 32 pixels, so that one of ours is a square of theirs (box filters), and compares blocks of
 /// `block` × `block` of ours: normal enough for a z-test at `spp` samples a pixel.
@@ -39,6 +40,21 @@ fn furnaces_match_the_reference_renderer() {
     assert_same("furnace_ggx_a0.2", 256, 16);
     assert_same("furnace_ggx_a1", 256, 16);
     assert_same("furnace_rglass_a0.5", 256, 16);
+}
+
+/// The image means that refs/README.md has by quadrature (five digits), for the masking the references do not show.
+#[test]
+fn furnaces_match_with_correlated_masking() {
+    let Some(refs) = shared_dir().map(|d| d.join("refs")) else { return };
+    let cases = [("furnace_ggx_a0.2", 0.96634), ("furnace_ggx_a1", 0.76779), ("furnace_rglass_a0.5", 0.82480)];
+    for (name, mean) in cases {
+        let mut scene = read_scene(&refs.join(name));
+        match &mut scene.materials[0].bsdf {
+            Bsdf::Conductor { masking, .. } | Bsdf::Dielectric { masking, .. } => *masking = Masking::Correlated,
+            other => panic!("{name} is {other:?}"),
+        }
+        render(&scene, Region::whole(&scene), 64, 19).assert_mean(name, [mean; 3], 5e-6, 3 * cases.len());
+    }
 }
 
 #[test]
