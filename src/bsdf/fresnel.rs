@@ -75,7 +75,7 @@ pub fn conductor<R: Real>(cos: R, eta: R, k: R) -> R {
     let (minus_s, plus_s) = (a - cos, a + cos);
     let (minus_p, plus_p) = (a.mul_add(cos, -sin2), a.mul_add(cos, sin2));
     let b2_cos2 = b2 * cos2;
-    let r_s = minus_s.mul_add(minus_s, b2) / plus_s.mul_add(plus_s, b2);
+    let r_s = minus_s.mul_add(minus_s, b2) / plus_s.mul_add(plus_s, b2).max_or(R::splat(TINY));
     let ratio = minus_p.mul_add(minus_p, b2_cos2) / plus_p.mul_add(plus_p, b2_cos2).max_or(R::splat(TINY));
     half * r_s.mul_add(ratio, r_s)
 }

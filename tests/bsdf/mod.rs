@@ -41,7 +41,12 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The sampled direction of a lane, if it counts.
+/// The sampled direction of a lane, if it counts, made a unit vector in f64 (1 − cos of a narrow lobe has few f32 steps).
 fn direction<R: Real>(s: &Sample<R>, lane: usize) -> Option<[f64; 3]> {
-    s.valid.lane(lane).then(|| to_f64(s.wi.lane(lane)))
+    let wi = to_f64(s.wi.lane(lane));
+    let length = dot(wi, wi).sqrt();
+    s.valid.lane(lane).then(|| {
+        assert!((length - 1.0).abs() < 1e-6, "length {length} of {wi:?}");
+        wi.map(|x| x / length)
+    })
 }
