@@ -30,9 +30,9 @@ fn a_mirror_has_its_fresnel() {
     for mu in [1.0, 0.5, 0.1, -0.3] {
         let sample = |fresnel| Conductor { alpha: 0.0, separable: false, fresnel }.sample(at(mu, 0.4), 0.5, [0.3, 0.9]);
         let exact = sample(ConductorFresnel::exact(eta, k)).weight.lane(0);
-        for c in 0..3 {
+        for (c, got) in exact.into_iter().enumerate() {
             let f = reference::conductor_f(mu.abs(), eta.lane(0)[c].into(), k.lane(0)[c].into());
-            assert!((f64::from(exact[c]) - f).abs() < 32.0 * ULP, "{mu}: {} for {f}", exact[c]);
+            assert!((f64::from(got) - f).abs() < 32.0 * ULP, "{mu}: {got} for {f}");
         }
         let schlick = sample(ConductorFresnel::schlick(Vec3::splat([0.2; 3]))).weight.x;
         let f = 0.2 + 0.8 * (1.0 - mu.abs()).powi(5);
