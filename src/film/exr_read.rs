@@ -13,7 +13,7 @@ use exr::prelude::f16;
 use rayon::prelude::*;
 
 use super::error::FilmError;
-use super::metadata::{Attribute, VARIANCE_VALIDITY, VarianceValidity};
+use super::metadata::{Attribute, NAME_PREFIX, VARIANCE_VALIDITY, VarianceValidity};
 
 /// Longest side that is read: what a scene file may ask for.
 const MAX_SIDE: usize = 65_536;
@@ -196,7 +196,11 @@ fn check_size(headers: &[Header], header: &Header, file_bytes: u64) -> Result<()
 
 fn attributes(header: &Header) -> Vec<(String, Attribute)> {
     let all = header.own_attributes.other.iter().chain(&header.shared_attributes.other);
-    let mut known: Vec<_> = all.filter_map(|(name, value)| Some((string(name), attribute(value)?))).collect();
+    let name = |stored: &Text| {
+        let stored = string(stored);
+        stored.strip_prefix(NAME_PREFIX).map_or(stored.clone(), str::to_owned)
+    };
+    let mut known: Vec<_> = all.filter_map(|(stored, value)| Some((name(stored), attribute(value)?))).collect();
     known.sort_by(|a, b| a.0.cmp(&b.0));
     known
 }
