@@ -2,8 +2,10 @@
 
 use super::{filled, rendered, shared};
 use exr::prelude::{self as library, f16};
+use octolux::film::exr_read;
 use octolux::film::exr_write::write_rows;
 use octolux::film::{Attribute, Film, FilmChannels, VarianceValidity, read_exr, write_exr};
+use std::io::Cursor;
 use std::path::Path;
 
 fn attributes() -> Vec<(String, Attribute)> {
@@ -170,22 +172,18 @@ fn damaged_files_never_panic() {
     let film = rendered((9, 6), 8, FilmChannels::Colour, 2, 2);
     write_exr(&film, &path, &[], VarianceValidity::Independent).unwrap();
     let good = std::fs::read(&path).unwrap();
-    for length in (0..good.len()).step_by(7) {
-        std::fs::write(&path, &good[..length]).unwrap();
-        message(&path);
-    }
+    let decode = |bytes: &[u8]| exr_read::decode(Cursor::new(bytes), bytes.len() as u64);
+    assert!(decode(&good).is_ok());
+    (0..good.len()).for_each(|length| assert!(decode(&good[..length]).is_err(), "cut to {length} bytes"));
     let mut random = super::SplitMix(1);
-    for _ in 0..2000 {
+    for _ in 0..20_000 {
         let mut bad = good.clone();
         for _ in 0..1 + random.next() % 3 {
             let at = random.next() as usize % bad.len();
             bad[at] = random.next() as u8;
         }
-        std::fs::write(&path, bad).unwrap();
         // Some changes only touch pixel values; what counts is that it returns.
-        if let Err(error) = read_exr(&path) {
-            assert!(!error.to_string().contains('\n'));
-        }
+        let _ = decode(&bad);
     }
 }
 
