@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::time::Duration;
 
 /// How much time to spend on the tree. Results do not depend on it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Preset {
     Fast,
     #[default]
