@@ -4,7 +4,6 @@
 //! one of several [modes](Mode) named by a type. All give the same bits (see [`geometry`](crate::geometry)); they
 //! differ in what they are fast at.
 
-pub mod bench_rays;
 mod block;
 mod brute;
 mod build;

@@ -5,6 +5,7 @@ use super::{SetReport, TraceMode};
 use crate::accel::{Accel, Brute, Mode, Packet, Single};
 use crate::geometry::{MISS, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3, f32x8, f32x16};
+use crate::process::{allowed_cores, pin_to_core};
 use std::sync::{Barrier, Mutex};
 use std::time::Instant;
 
@@ -72,12 +73,15 @@ fn pass(mode: TraceMode, lanes: usize) -> Pass {
 fn run(accel: &Accel, rays: &RaySet, pass: Pass, threads: usize, out: &mut Output) -> f64 {
     let chunks = out.t.chunks_mut(CHUNK).zip(out.primitive.chunks_mut(CHUNK)).enumerate();
     let (work, ready) = (Mutex::new(chunks), Barrier::new(threads + 1));
+    let cores = allowed_cores();
     std::thread::scope(|scope| {
         let workers: Vec<_> = (0..threads)
             .map(|cpu| {
-                let (work, ready) = (&work, &ready);
+                let (work, ready, cores) = (&work, &ready, &cores);
                 scope.spawn(move || {
-                    pin(cpu);
+                    if let Some(&core) = cores.get(cpu % cores.len().max(1)) {
+                        pin_to_core(core);
+                    }
                     ready.wait();
                     // A panic elsewhere poisons nothing that matters: the chunks are independent.
                     let take = || work.lock().unwrap_or_else(|e| e.into_inner()).next();
@@ -110,21 +114,4 @@ fn trace_chunk<R: Real, M: Mode>(accel: &Accel, rays: &RaySet, first: usize, t: 
             hit.primitive.store(&mut primitive[k..]);
         }
     }
-}
-
-/// Keeps this thread on one processor: fresh threads otherwise often start on a busy one. Does nothing where the
-/// system refuses (the processor is not ours) or has no such call.
-fn pin(cpu: usize) {
-    #[cfg(target_os = "linux")]
-    // SAFETY: `cpu_set_t` is plain bits, zero is the empty set; `CPU_SET` ignores numbers past its end; the call reads
-    // the set and changes this thread only.
-    unsafe {
-        let mut set: libc::cpu_set_t = core::mem::zeroed();
-        if cpu < libc::CPU_SETSIZE as usize {
-            libc::CPU_SET(cpu, &mut set);
-            libc::sched_setaffinity(0, core::mem::size_of_val(&set), &set);
-        }
-    }
-    #[cfg(not(target_os = "linux"))]
-    let _ = cpu;
 }

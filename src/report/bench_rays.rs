@@ -3,9 +3,11 @@
 mod files;
 mod measure;
 
-use super::{Accel, BuildOptions, BuildReport, Preset};
+use crate::accel::{Accel, BuildOptions, BuildReport, Preset};
+use crate::kernel::Width;
 use files::{RaySet, Triangles};
 use serde::Serialize;
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// What to time.
@@ -16,8 +18,8 @@ pub struct BenchRaysArgs {
     /// Ray sets; those without a file are skipped
     #[arg(long, value_delimiter = ',', default_value = "P,B1,B2,S,A")]
     pub sets: Vec<String>,
-    /// Widths: 1, 8, 16
-    #[arg(long, value_delimiter = ',', default_value = "1,8,16")]
+    /// Widths: 1, 8, 16 [default: the one the kernel would use]
+    #[arg(long, value_delimiter = ',')]
     pub lanes: Vec<usize>,
     /// Numbers of pinned threads
     #[arg(long, value_delimiter = ',', default_value = "1")]
@@ -28,6 +30,7 @@ pub struct BenchRaysArgs {
     /// Timed passes over each set, after one that is not timed
     #[arg(long, default_value_t = 7)]
     pub windows: usize,
+    /// Tree quality
     #[arg(long, default_value = "medium")]
     pub build: Preset,
 }
@@ -77,7 +80,7 @@ pub enum BenchRaysError {
 }
 
 /// Up to this many triangles brute force is what the kernel uses.
-pub const BRUTE_LIMIT: usize = 64;
+pub const BRUTE_LIMIT: usize = crate::plan::BRUTE_FORCE_LIMIT;
 
 /// Reads, builds, measures.
 pub fn bench_rays(args: &BenchRaysArgs) -> Result<BenchRaysReport, BenchRaysError> {
@@ -97,6 +100,8 @@ pub fn bench_rays(args: &BenchRaysArgs) -> Result<BenchRaysReport, BenchRaysErro
     sets.iter_mut().for_each(|(_, rays)| rays.rescale(scale));
     let options = BuildOptions { lists: triangles.count() <= BRUTE_LIMIT * 64, trees: true, preset: args.build };
     let accel = Accel::build(&triangles.positions, &triangles.indices(), &[], options);
+    let native = [Width::native().lanes()];
+    let widths = if args.lanes.is_empty() { &native[..] } else { &args.lanes };
     let mut reports = Vec::new();
     for (name, rays) in &sets {
         for &mode in &args.modes {
@@ -105,7 +110,7 @@ pub fn bench_rays(args: &BenchRaysArgs) -> Result<BenchRaysReport, BenchRaysErro
                 log::warn!("brute force skipped: {} triangles", triangles.count());
                 continue;
             }
-            for &lanes in &args.lanes {
+            for &lanes in widths {
                 for &threads in &args.threads {
                     reports.push(measure::measure(&accel, name, rays, mode, lanes, threads, args.windows, scale));
                 }
@@ -149,4 +154,20 @@ fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(suffix);
     PathBuf::from(name)
+}
+
+impl fmt::Display for BenchRaysReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}: {} triangles, built in {:.3} s", self.scene, self.triangles, self.build.seconds)?;
+        writeln!(f, "set threads lanes    mode   Mrays/s (min–max)       hits /    rays        Σt")?;
+        for s in &self.sets {
+            let mode = format!("{:?}", s.mode).to_lowercase();
+            writeln!(
+                f,
+                "{:3} {:7} {:5} {mode:>7}  {:8.2} ({:.2}–{:.2})  {:8} / {:7}  {:.6e}",
+                s.set, s.threads, s.lanes, s.mrays_per_s, s.min, s.max, s.hits, s.rays, s.sum_t
+            )?;
+        }
+        Ok(())
+    }
 }
