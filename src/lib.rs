@@ -32,6 +32,7 @@ pub mod kernel;
 pub mod lane;
 pub mod light;
 pub mod plan;
+pub mod process;
 pub mod render;
 pub mod report;
 pub mod sampling;

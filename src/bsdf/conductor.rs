@@ -1,6 +1,6 @@
 //! A metal: GGX microfacets that reflect, on both sides.
 
-use super::fresnel::{self, schlick_weight};
+use super::fresnel;
 use super::ggx::Ggx;
 use super::{ALPHA_MIN, Eval, Model, Sample, mirrored, mirrored_z};
 use crate::lane::{Mask, Real, Vec3};
@@ -46,7 +46,7 @@ impl<R: Real> ConductorFresnel<R> {
     #[inline(always)]
     pub fn reflectance(&self, cos: R) -> Vec3<R> {
         // A constant is Schlick's formula that does not grow.
-        let grow = schlick_weight(cos).masked(self.schlick);
+        let grow = fresnel::schlick_weight(cos).masked(self.schlick);
         let Vec3 { x, y, z } = self.a;
         let f0 = |f0: R| (R::one() - f0).mul_add(grow, f0);
         let simple = Vec3::new(f0(x), f0(y), f0(z));

@@ -45,9 +45,12 @@ impl<R: Real> Model<R> for Dielectric<R> {
         // The normal, up to length and sign, is wo + wi or wo + η·wi. Up is where its z is positive.
         let h = wi.mul_add(R::select(reflects, R::one(), side.eta), wo);
         let h2 = h.length_squared();
-        let inv = mirrored(h2.sqrt().recip(), h.z);
-        let (cos_o, cos_i) = (wo.dot(h) * inv, wi.dot(h) * inv);
-        let cos_i = R::select(reflects, cos_i, -cos_i);
+        let length = h2.sqrt();
+        let inv = mirrored(length.recip(), h.z);
+        // |wo + wi| = 2 wo·h, which does not cancel at grazing angles as the product does.
+        let half_length = R::splat(0.5) * length;
+        let cos_o = R::select(reflects, half_length, wo.dot(h) * inv);
+        let cos_i = R::select(reflects, half_length, -(wi.dot(h) * inv));
         let visible = o.cos.gt(R::zero()) & i.cos.gt(R::zero()) & cos_o.gt(R::zero()) & cos_i.gt(R::zero());
         let active = visible & !self.delta();
 

@@ -1,6 +1,6 @@
 //! Unpolarised Fresnel reflectance. Cosines are of the angle to the (micro)normal on the side of `wo`, in [0, 1].
 
-use crate::lane::{Real, Vec3};
+use crate::lane::Real;
 
 /// Keeps 0/0 out where both amplitudes vanish (an index of 1 at exactly grazing incidence: then nothing reflects).
 const TINY: f32 = 1e-30;
@@ -75,25 +75,14 @@ pub fn conductor<R: Real>(cos: R, eta: R, k: R) -> R {
     let (minus_s, plus_s) = (a - cos, a + cos);
     let (minus_p, plus_p) = (a.mul_add(cos, -sin2), a.mul_add(cos, sin2));
     let b2_cos2 = b2 * cos2;
-    let r_s = minus_s.mul_add(minus_s, b2) / plus_s.mul_add(plus_s, b2);
+    let r_s = minus_s.mul_add(minus_s, b2) / plus_s.mul_add(plus_s, b2).max_or(R::splat(TINY));
     let ratio = minus_p.mul_add(minus_p, b2_cos2) / plus_p.mul_add(plus_p, b2_cos2).max_or(R::splat(TINY));
     half * r_s.mul_add(ratio, r_s)
 }
 
-/// Schlick 1994: f0 + (1 − f0)(1 − cos)⁵.
+/// What Schlick's approximation (1994) adds of 1 − f0: (1 − cos)⁵; 0 where rounding lifts the cosine above 1.
 #[inline(always)]
-pub fn schlick<R: Real>(cos: R, f0: Vec3<R>) -> Vec3<R> {
-    let grow = schlick_weight(cos);
-    Vec3::new(
-        (R::one() - f0.x).mul_add(grow, f0.x),
-        (R::one() - f0.y).mul_add(grow, f0.y),
-        (R::one() - f0.z).mul_add(grow, f0.z),
-    )
-}
-
-/// (1 − cos)⁵, 0 where rounding lifts the cosine above 1.
-#[inline(always)]
-pub(super) fn schlick_weight<R: Real>(cos: R) -> R {
+pub fn schlick_weight<R: Real>(cos: R) -> R {
     let m = (R::one() - cos).max_or(R::zero());
     let m2 = m * m;
     m2 * m2 * m

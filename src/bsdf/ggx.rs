@@ -8,6 +8,9 @@
 use crate::lane::{Real, Vec3, math};
 use core::f32::consts::FRAC_1_PI;
 
+/// Keeps quotients finite where both cosines are so small (below 1e-17) that products of them underflow.
+const TINY: f32 = 1e-37;
+
 /// A rough interface. `alpha` in [[`ALPHA_MIN`](super::ALPHA_MIN), 1].
 #[derive(Clone, Copy, Debug)]
 pub struct Ggx<R: Real> {
@@ -47,7 +50,8 @@ impl<R: Real> Ggx<R> {
     #[inline(always)]
     pub fn density(&self, h: Vec3<R>, length_squared: R) -> R {
         let az = self.alpha * h.z;
-        let q = self.alpha * length_squared / h.x.mul_add(h.x, h.y.mul_add(h.y, az * az));
+        let below = h.x.mul_add(h.x, h.y.mul_add(h.y, az * az)).max_or(R::splat(TINY));
+        let q = self.alpha * length_squared / below;
         q * q * R::splat(FRAC_1_PI)
     }
 
@@ -60,7 +64,7 @@ impl<R: Real> Ggx<R> {
     /// G2(wo, wi)/cosθo.
     #[inline(always)]
     pub fn g2_over_cos(&self, o: Projected<R>, i: Projected<R>) -> R {
-        let correlated = o.cos.mul_add(i.stretched, i.cos * o.stretched);
+        let correlated = o.cos.mul_add(i.stretched, i.cos * o.stretched).max_or(R::splat(TINY));
         let separable = R::splat(0.5) * (o.cos + o.stretched) * (i.cos + i.stretched);
         (i.cos + i.cos) / R::select(self.separable, separable, correlated)
     }

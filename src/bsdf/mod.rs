@@ -14,7 +14,7 @@ pub mod fresnel;
 pub mod ggx;
 
 pub use conductor::{Conductor, ConductorFresnel};
-pub use dielectric::Dielectric;
+pub use dielectric::{Dielectric, LOBE_MIN};
 pub use diffuse::Diffuse;
 
 use crate::lane::{Bits, Real, Vec3};

@@ -2,13 +2,18 @@
 
 use super::CliError;
 use super::scene_args::{SceneArgs, parse_lanes};
+use crate::report::bench_rays::{BenchRaysArgs, bench_rays};
 use crate::kernel::{Width, World};
 use crate::plan::Force;
 use crate::report::bench::{SceneBench, bench_scene};
-use std::path::PathBuf;
+use crate::film::beside::write_beside;
+use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct BenchArgs {
+    #[command(subcommand)]
+    what: Option<BenchWhat>,
     #[command(flatten)]
     scene: Option<SceneArgs>,
     /// Lane widths to measure, interleaved [default: the fastest of this build]
@@ -31,7 +36,23 @@ pub struct BenchArgs {
     json: Option<PathBuf>,
 }
 
+#[derive(clap::Subcommand)]
+enum BenchWhat {
+    /// Rays per second on the .tri and .rays files of DATA/NAME
+    Rays {
+        #[command(flatten)]
+        args: BenchRaysArgs,
+        /// Write JSON; `-` is standard output
+        #[arg(long, value_name = "FILE|-")]
+        json: Option<PathBuf>,
+    },
+}
+
 pub fn run(args: &BenchArgs) -> Result<bool, CliError> {
+    if let Some(BenchWhat::Rays { args, json }) = &args.what {
+        print_report(&bench_rays(args)?, json.as_deref())?;
+        return Ok(true);
+    }
     let Some(scene_args) = &args.scene else {
         return Err(CliError::Usage("bench what? give a scene, or `bench rays DATA/NAME`".into()));
     };
@@ -39,16 +60,20 @@ pub fn run(args: &BenchArgs) -> Result<bool, CliError> {
     let lanes = if args.lanes.is_empty() { vec![Width::native()] } else { args.lanes.clone() };
     let bench = SceneBench { name: scene.name, lanes, threads: args.threads.clone(), windows: args.windows, seconds: args.seconds };
     let report = bench_scene(&world, &bench)?;
-    match &args.json {
-        None => print!("{report}"),
-        Some(path) => {
-            let text = serde_json::to_string_pretty(&report).map_err(|e| CliError::Usage(e.to_string()))? + "\n";
-            if path.as_os_str() == "-" {
-                print!("{text}");
-            } else {
-                std::fs::write(path, text).map_err(|source| CliError::Write { path: path.clone(), source })?;
-            }
-        }
-    }
+    print_report(&report, args.json.as_deref())?;
     Ok(true)
+}
+
+/// For a person, or as JSON to a file or standard output.
+fn print_report(report: &(impl serde::Serialize + std::fmt::Display), json: Option<&Path>) -> Result<(), CliError> {
+    let Some(path) = json else {
+        print!("{report}");
+        return Ok(());
+    };
+    let text = serde_json::to_string_pretty(report).map_err(|e| CliError::Usage(e.to_string()))? + "\n";
+    if path.as_os_str() == "-" {
+        print!("{text}");
+        return Ok(());
+    }
+    Ok(write_beside(path, |file| std::io::Write::write_all(file, text.as_bytes()))?)
 }

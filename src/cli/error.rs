@@ -13,6 +13,8 @@ pub enum CliError {
     #[error(transparent)]
     Compare(#[from] crate::report::CompareError),
     #[error(transparent)]
+    BenchRays(#[from] crate::report::bench_rays::BenchRaysError),
+    #[error(transparent)]
     Light(#[from] crate::light::LightError),
     #[error("{path}: cannot write: {source}; choose another path", path = .path.display())]
     Write { path: PathBuf, source: std::io::Error },

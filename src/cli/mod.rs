@@ -38,7 +38,7 @@ enum Command {
 #[inline(never)]
 pub fn run() -> ExitCode {
     // The age of the process is read first of all, so that budgets count from exec.
-    crate::render::seconds_since_process_start();
+    crate::process::seconds_since_process_start();
     log_to_stderr();
     let result = match Cli::parse().command {
         Command::Render(args) => render::run(&args),

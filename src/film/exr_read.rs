@@ -1,7 +1,7 @@
 //! OpenEXR to f32 planes: any flat file with R, G, B (or one `NAME.R/G/B`, or Y alone) in half, float or uint.
 
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 use exr::block::reader::{ChunksReader, Reader};
@@ -13,7 +13,7 @@ use exr::prelude::f16;
 use rayon::prelude::*;
 
 use super::error::FilmError;
-use super::metadata::{Attribute, VARIANCE_VALIDITY, VarianceValidity};
+use super::metadata::{Attribute, NAME_PREFIX, VARIANCE_VALIDITY, VarianceValidity};
 
 /// Longest side that is read: what a scene file may ask for.
 const MAX_SIDE: usize = 65_536;
@@ -82,10 +82,18 @@ fn read(path: &Path) -> Result<ExrImage, String> {
     if !status.is_file() {
         return Err("it is not a regular file".to_owned());
     }
-    let reader = exr::block::read(BufReader::new(file), false).map_err(|error| describe(&error))?;
+    decode(BufReader::new(file), status.len())
+}
+
+/// Reads an image from `length` bytes that hold an EXR file, as [`read_exr`] does.
+///
+/// # Errors
+/// What is wrong with the bytes, in one line.
+pub fn decode(bytes: impl Read + Seek, length: u64) -> Result<ExrImage, String> {
+    let reader = exr::block::read(bytes, false).map_err(|error| describe(&error))?;
     let (part, colour) = find_colour(reader.headers())?;
     let header = &reader.headers()[part];
-    check_size(reader.headers(), header, status.len())?;
+    check_size(reader.headers(), header, length)?;
 
     let (width, height) = (header.layer_size.width(), header.layer_size.height());
     let mut image = ExrImage {
@@ -99,7 +107,7 @@ fn read(path: &Path) -> Result<ExrImage, String> {
     Ok(image)
 }
 
-fn read_planes(reader: Reader<BufReader<File>>, part: usize, image: &mut ExrImage) -> exr::error::UnitResult {
+fn read_planes<R: Read + Seek>(reader: Reader<R>, part: usize, image: &mut ExrImage) -> exr::error::UnitResult {
     let mut chunks =
         reader.filter_chunks(true, |_, tile, block| block.layer == part && tile.is_largest_resolution_level())?;
     let meta = chunks.meta_data().clone();
@@ -132,11 +140,11 @@ fn copy_block(block: &UncompressedBlock, meta: &MetaData, image: &mut ExrImage) 
         let at = line.location;
         let start = at.position.y() * image.width as usize + at.position.x();
         let target = &mut image.channels[at.channel].1[start..start + at.sample_count];
-        decode(channels.list[at.channel].sample_type, line.value, target);
+        convert(channels.list[at.channel].sample_type, line.value, target);
     }
 }
 
-fn decode(kind: SampleType, bytes: &[u8], target: &mut [f32]) {
+fn convert(kind: SampleType, bytes: &[u8], target: &mut [f32]) {
     match kind {
         SampleType::F32 => {
             let values = bytes.as_chunks().0.iter().map(|&b| f32::from_ne_bytes(b));
@@ -196,7 +204,11 @@ fn check_size(headers: &[Header], header: &Header, file_bytes: u64) -> Result<()
 
 fn attributes(header: &Header) -> Vec<(String, Attribute)> {
     let all = header.own_attributes.other.iter().chain(&header.shared_attributes.other);
-    let mut known: Vec<_> = all.filter_map(|(name, value)| Some((string(name), attribute(value)?))).collect();
+    let name = |stored: &Text| {
+        let stored = string(stored);
+        stored.strip_prefix(NAME_PREFIX).map_or(stored.clone(), str::to_owned)
+    };
+    let mut known: Vec<_> = all.filter_map(|(stored, value)| Some((name(stored), attribute(value)?))).collect();
     known.sort_by(|a, b| a.0.cmp(&b.0));
     known
 }

@@ -9,18 +9,20 @@ use exr::block::writer::ChunksWriter;
 use exr::block::{BlockIndex, UncompressedBlock};
 use exr::meta::BlockDescription;
 use exr::meta::attribute::{AttributeValue, ChannelDescription, LineOrder, SampleType, Text};
-use exr::meta::header::{Header, LayerAttributes};
+use exr::meta::header::{Header, LayerAttributes, standard_names};
 use exr::prelude::{Compression, SmallVec};
 use rayon::prelude::*;
 
 use super::beside::write_beside;
 use super::error::FilmError;
-use super::metadata::{Attribute, VARIANCE_VALIDITY, VarianceValidity};
+use super::metadata::{Attribute, NAME_PREFIX, VARIANCE_VALIDITY, VarianceValidity};
 use super::sheet::Film;
 use super::slot::FilmChannels;
 
-/// Noise hardly compresses: for a 1920×1080 image with variance ZIP takes ten times as long to save a tenth.
-const COMPRESSION: Compression = Compression::Uncompressed;
+/// Run lengths: as fast as no compression, and flat parts (background, depth) still shrink. Noise does not compress: for
+/// white noise, 1920×1080 with variance on two cores, none took .09 s for 49.8 MB, RLE .12 s for 49.8 MB, ZIP1 .6 s for
+/// 49.3 MB, PIZ .5 to .9 s for 42.8 MB, ZIP16 1.6 s for 48.5 MB.
+const COMPRESSION: Compression = Compression::RLE;
 
 /// Blocks formed in parallel before they are written: bounds the memory that writing takes.
 const BLOCKS_IN_FLIGHT: usize = 64;
@@ -30,7 +32,7 @@ const VARIANCE: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
 const AOVS: [&str; 7] = ["albedo.R", "albedo.G", "albedo.B", "N.X", "N.Y", "N.Z", "Z"];
 
 /// Writes the film to `path` (beside it first, then renamed). `attributes` go to the header, together with
-/// `variance_validity`. Works in the current rayon pool.
+/// `variance_validity`; a name that the format reserves is stored as `octolux.NAME`. Works in the current rayon pool.
 ///
 /// # Errors
 /// The file cannot be written, or an attribute's name is not allowed in a header; the message names `path`.
@@ -131,16 +133,23 @@ fn header<'a>(
     attributes: &[(String, Attribute)],
 ) -> Result<Header, String> {
     let channels = names.map(|name| ChannelDescription::named(name, SampleType::F32)).collect();
-    let mut own = LayerAttributes::default();
+    let software = text(concat!("octolux ", env!("CARGO_PKG_VERSION")));
+    let mut own = LayerAttributes { software_name: Some(software), ..LayerAttributes::default() };
     for (name, value) in attributes {
         if name.is_empty() || name.len() > 255 || name.contains('\0') {
             return Err(format!("`{name}` cannot name an attribute: 1 to 255 bytes are needed"));
         }
-        own.other.insert(text(name), attribute_value(value));
+        own.other.insert(text(&stored_name(name)), attribute_value(value));
     }
     Ok(Header::new(Text::default(), size, channels)
         .with_encoding(COMPRESSION, BlockDescription::ScanLines, LineOrder::Increasing)
         .with_attributes(own))
+}
+
+/// The format keeps some names for itself, `version` among them: those get a prefix, which reading takes off.
+fn stored_name(name: &str) -> String {
+    let reserved = standard_names::ALL.contains(&name.as_bytes()) || name.starts_with(NAME_PREFIX);
+    if reserved { format!("{NAME_PREFIX}{name}") } else { name.to_owned() }
 }
 
 fn attribute_value(value: &Attribute) -> AttributeValue {

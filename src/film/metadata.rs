@@ -47,6 +47,9 @@ impl From<u64> for Attribute {
     }
 }
 
+/// Put before attribute names that the format reserves.
+pub(crate) const NAME_PREFIX: &str = "octolux.";
+
 /// Name of the attribute that says what `variance.*` may be used for.
 pub const VARIANCE_VALIDITY: &str = "variance_validity";
 

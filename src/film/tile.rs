@@ -227,24 +227,29 @@ impl Part {
     }
 }
 
-/// Adds the finite ones; false if some were not.
+/// Adds the slots in order; the finite ones alone if some are not, and then says false.
 fn sum_finite(sums: &mut [f64; COLOUR_SUMS], slots: &[[f32; 3]]) -> bool {
-    let mut all_finite = true;
-    let mut total = *sums;
+    let total = add_slots(*sums, slots);
+    // One test for all: sums of finite f32 and of their squares cannot overflow f64, and NaN or ∞ stays in them.
+    let all_finite = total[3..].iter().all(|sum| sum.is_finite());
+    *sums = if all_finite {
+        total
+    } else {
+        slots.iter().filter(|slot| is_finite(slot)).fold(*sums, |sums, slot| add_slots(sums, &[*slot]))
+    };
+    all_finite
+}
+
+fn add_slots(mut sums: [f64; COLOUR_SUMS], slots: &[[f32; 3]]) -> [f64; COLOUR_SUMS] {
     for slot in slots {
-        if !is_finite(slot) {
-            all_finite = false;
-            continue;
-        }
         for c in 0..3 {
             let value = f64::from(slot[c]);
-            total[c] += value;
+            sums[c] += value;
             // The square of an f32 is exact in f64.
-            total[3 + c] += value * value;
+            sums[3 + c] += value * value;
         }
     }
-    *sums = total;
-    all_finite
+    sums
 }
 
 fn is_finite(radiance: &[f32; 3]) -> bool {

@@ -6,6 +6,7 @@ use super::sphere::{self, sphere_pdf};
 use super::triangle::{self, Triangle, triangle_pdf};
 use super::{Emitter, EmitterShape, LightError};
 use crate::lane::{Bits, Mask, Real, Vec3};
+use core::marker::PhantomData;
 use std::f64::consts::PI;
 
 /// What a lane needs to sample one emitter: one cache line.
@@ -13,6 +14,10 @@ use std::f64::consts::PI;
 /// Triangle: p0, e1, e2, unit front normal, radiance, choice probability / area.
 /// Sphere: centre, radius, –, radiance, choice probability.
 type Row = [f32; 16];
+
+/// The widest lanes there are.
+const MAX_WIDTH: usize = 16;
+
 const P0: usize = 0;
 const E1: usize = 3;
 const E2: usize = 6;
@@ -61,20 +66,18 @@ impl AreaLights {
     /// A point on a light chosen by `u_choice`, as seen from `origin`, with its radiance and primitive.
     #[inline(always)]
     pub(super) fn sample<R: Real>(&self, origin: Vec3<R>, u_choice: R, u: [R; 2]) -> (LightPoint<R>, Vec3<R>, R::Bits) {
-        let index = self.choose(u_choice, u);
-        let pdf_row = self.field(index, PDF_ROW);
+        let index = self.choose::<R>(u_choice, u);
+        let rows = LaneRows::<R>::of(&self.rows, index);
         let point = if self.first_sphere == self.rows.len() {
-            self.sample_triangle(index, pdf_row, origin, u)
+            rows.sample_triangle(origin, u)
         } else if self.first_sphere == 0 {
-            self.sample_sphere(index, pdf_row, origin, u)
+            rows.sample_sphere(origin, u)
         } else {
             let is_sphere = R::from_int(index).ge(R::splat(self.first_sphere as f32));
-            let triangle = self.sample_triangle(index, pdf_row, origin, u);
-            let sphere = self.sample_sphere(index, pdf_row, origin, u);
-            LightPoint::select(is_sphere, sphere, triangle)
+            LightPoint::select(is_sphere, rows.sample_sphere(origin, u), rows.sample_triangle(origin, u))
         };
         let primitive = R::Bits::from_fn(|i| self.primitives[index.lane(i) as usize]);
-        (point, self.vector(index, RADIANCE), primitive)
+        (point, rows.vector(RADIANCE), primitive)
     }
 
     #[inline(always)]
@@ -87,22 +90,6 @@ impl AreaLights {
         alias::resolve(place, keep, |i| self.table[place.lane(i) as usize])
     }
 
-    #[inline(always)]
-    fn sample_triangle<R: Real>(&self, index: R::Bits, row: R, origin: Vec3<R>, u: [R; 2]) -> LightPoint<R> {
-        let light = Triangle {
-            p0: self.vector(index, P0),
-            e1: self.vector(index, E1),
-            e2: self.vector(index, E2),
-            ng: self.vector(index, NG),
-        };
-        triangle::sample(&light, row, origin, u)
-    }
-
-    #[inline(always)]
-    fn sample_sphere<R: Real>(&self, index: R::Bits, row: R, origin: Vec3<R>, u: [R; 2]) -> LightPoint<R> {
-        sphere::sample(self.vector(index, CENTER), self.field(index, RADIUS), row, origin, u)
-    }
-
     /// See [`Lights::emitter_pdf_row`](super::Lights::emitter_pdf_row).
     pub(super) fn pdf_row(&self, primitive: u32) -> f32 {
         self.find(primitive).map_or(0.0, |i| self.rows[i][PDF_ROW])
@@ -111,7 +98,7 @@ impl AreaLights {
     /// See [`Lights::pdf_area`](super::Lights::pdf_area).
     pub(super) fn pdf<R: Real>(&self, primitive: R::Bits, origin: Vec3<R>, t: R, cos: R) -> R {
         const NONE: Row = [0.0; 16];
-        let found: [Option<usize>; 32] =
+        let found: [Option<usize>; MAX_WIDTH] =
             core::array::from_fn(|i| if i < R::WIDTH { self.find(primitive.lane(i)) } else { None });
         let field = |k: usize| R::from_fn(|i| found[i].map_or(&NONE, |at| &self.rows[at])[k]);
         let sphere_lanes = (0..R::WIDTH).filter(|&i| found[i].is_some_and(|at| at >= self.first_sphere));
@@ -127,18 +114,40 @@ impl AreaLights {
         let on_sphere = || spheres.binary_search(&primitive).ok().map(|i| i + self.first_sphere);
         triangles.binary_search(&primitive).ok().or_else(on_sphere)
     }
+}
 
+/// The rows that the lanes look at, found once for all fields.
+struct LaneRows<'a, R> {
+    rows: [&'a Row; MAX_WIDTH],
+    lanes: PhantomData<R>,
+}
+
+impl<'a, R: Real> LaneRows<'a, R> {
     #[inline(always)]
-    fn field<R: Real>(&self, index: R::Bits, k: usize) -> R {
-        match self.rows.as_slice() {
-            [only] => R::splat(only[k]),
-            rows => R::from_fn(|i| rows[index.lane(i) as usize][k]),
-        }
+    fn of(rows: &'a [Row], index: R::Bits) -> Self {
+        let row = |i| &rows[if i < R::WIDTH { index.lane(i) as usize } else { 0 }];
+        Self { rows: core::array::from_fn(row), lanes: PhantomData }
     }
 
     #[inline(always)]
-    fn vector<R: Real>(&self, index: R::Bits, k: usize) -> Vec3<R> {
-        Vec3::new(self.field(index, k), self.field(index, k + 1), self.field(index, k + 2))
+    fn field(&self, k: usize) -> R {
+        R::from_fn(|i| self.rows[i][k])
+    }
+
+    #[inline(always)]
+    fn vector(&self, k: usize) -> Vec3<R> {
+        Vec3::new(self.field(k), self.field(k + 1), self.field(k + 2))
+    }
+
+    #[inline(always)]
+    fn sample_triangle(&self, origin: Vec3<R>, u: [R; 2]) -> LightPoint<R> {
+        let light = Triangle { p0: self.vector(P0), e1: self.vector(E1), e2: self.vector(E2), ng: self.vector(NG) };
+        triangle::sample(&light, self.field(PDF_ROW), origin, u)
+    }
+
+    #[inline(always)]
+    fn sample_sphere(&self, origin: Vec3<R>, u: [R; 2]) -> LightPoint<R> {
+        sphere::sample(self.vector(CENTER), self.field(RADIUS), self.field(PDF_ROW), origin, u)
     }
 }
 

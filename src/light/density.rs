@@ -131,7 +131,9 @@ impl Scratch {
     ) -> f64 {
         let Shape { width, height } = shape;
         // At a pole the interpolant falls to 0.
-        let at = |row: Option<usize>, column: usize| row.map_or(0.0, |r| f64::from(weight(r, column % width)));
+        let at = |row: Option<usize>, column: usize| {
+            row.map_or(0.0, |r| f64::from(weight(r, if column == width { 0 } else { column })))
+        };
         let rows = [j.checked_sub(1), Some(j).filter(|&r| r < height)];
         let side = |column: usize| at(rows[0], column) + at(rows[1], column);
         self.weights.clear();

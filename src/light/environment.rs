@@ -1,10 +1,9 @@
 //! Light from infinitely far away, by direction.
 
 use super::image::ImageMap;
-use super::provisional::warp;
 use crate::lane::{Real, Vec3};
+use crate::sampling::warp;
 use crate::scene::Environment;
-use core::f32::consts::PI;
 
 /// The environment prepared for look-ups and sampling. Pdfs here do not yet include the choice between environment
 /// and area lights.
@@ -36,7 +35,7 @@ impl EnvironmentMap {
     #[inline(always)]
     pub fn radiance_and_pdf<R: Real>(&self, d: Vec3<R>) -> (Vec3<R>, R) {
         match self {
-            Self::Constant(radiance) => (Vec3::splat(*radiance), R::splat(UNIFORM_PDF)),
+            Self::Constant(radiance) => (Vec3::splat(*radiance), warp::uniform_sphere_pdf()),
             Self::Image(map) => map.radiance_and_pdf(d),
         }
     }
@@ -45,7 +44,7 @@ impl EnvironmentMap {
     #[inline(always)]
     pub fn sample<R: Real>(&self, u_choice: R, u: [R; 2]) -> (Vec3<R>, Vec3<R>, R) {
         match self {
-            Self::Constant(radiance) => (warp::uniform_sphere(u), Vec3::splat(*radiance), R::splat(UNIFORM_PDF)),
+            Self::Constant(radiance) => (warp::uniform_sphere(u), Vec3::splat(*radiance), warp::uniform_sphere_pdf()),
             Self::Image(map) => map.sample(u_choice, u),
         }
     }
@@ -58,6 +57,3 @@ impl EnvironmentMap {
         }
     }
 }
-
-/// 1/(4π).
-const UNIFORM_PDF: f32 = 0.25 / PI;

@@ -5,6 +5,7 @@ use crate::lane::math::{atan2, sincos_2pi};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::scene::EnvironmentImage;
 use core::f32::consts::FRAC_1_PI;
+use rayon::prelude::*;
 
 /// Keeps the distance from a pole positive, so that at the pole itself density / sin θ takes its limit instead of
 /// 0/0. Far below anything a direction can resolve, and its quotients stay in range.
@@ -46,15 +47,18 @@ impl ImageMap {
     pub(super) fn build(image: &EnvironmentImage) -> Option<Self> {
         let shape = Shape { width: image.width, height: image.height };
         let mean = |t: &[f32; 3]| t.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
-        let largest = image.texels.iter().map(mean).fold(0.0, f64::max);
+        let largest = image.texels.par_iter().map(mean).reduce(|| 0.0, f64::max);
         if largest <= 0.0 {
             return None;
         }
-        let mut texels = Vec::with_capacity(image.texels.len());
-        for (row, line) in image.texels.chunks_exact(image.width).enumerate() {
+        let mut texels = vec![[0.0; 4]; image.texels.len()];
+        let lines = texels.par_chunks_mut(image.width).zip(image.texels.par_chunks(image.width)).enumerate();
+        lines.for_each(|(row, (texels, line))| {
             let sin_theta = (std::f64::consts::PI * (row as f64 + 0.5) / image.height as f64).sin();
-            texels.extend(line.iter().map(|t| [t[0], t[1], t[2], (mean(t) / largest * sin_theta) as f32]));
-        }
+            for (texel, t) in texels.iter_mut().zip(line) {
+                *texel = [t[0], t[1], t[2], (mean(t) / largest * sin_theta) as f32];
+            }
+        });
         let density = Density::build(shape, |row, column| texels[row * shape.width + column][3]);
         Some(Self { shape, texels, density })
     }

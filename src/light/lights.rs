@@ -4,6 +4,7 @@ use super::area::AreaLights;
 use super::sample::LightSample;
 use super::{Emitter, EnvironmentMap, LightError};
 use crate::lane::{Mask, Real, Vec3};
+use crate::sampling::rescale;
 use crate::scene::Environment;
 
 /// How often the environment is sampled where there are area lights too. Fixed, because its power reaching a point
@@ -66,11 +67,8 @@ impl Lights {
         let split = R::splat(self.environment_probability);
         let to_environment = u_choice.lt(split);
         // One number for both choices: within either branch it is uniform again once stretched back to [0, 1).
-        let stretched = R::select(
-            to_environment,
-            u_choice * R::splat(1.0 / self.environment_probability),
-            (u_choice - split) * R::splat(1.0 / (1.0 - self.environment_probability)),
-        );
+        let from = R::select(to_environment, R::zero(), split);
+        let stretched = rescale(u_choice, from, R::select(to_environment, split, R::one()));
         let area_lanes = active & !to_environment;
         let environment_lanes = active & to_environment;
         let mut sample = LightSample::none();

@@ -13,7 +13,6 @@ mod density;
 mod environment;
 mod image;
 mod lights;
-mod provisional;
 mod sample;
 mod sphere;
 mod triangle;

@@ -1,11 +1,10 @@
 //! A sphere that emits outwards, sampled uniformly in the cone it fills as seen from outside.
 
-use super::provisional::Frame;
 use super::sample::LightPoint;
 use super::triangle::GAMMA_7;
 use crate::lane::math::sincos_2pi;
 use crate::lane::{Real, Vec3};
-use core::f32::consts::TAU;
+use crate::sampling::{Frame, warp};
 
 /// The cone from a point to a sphere.
 struct Cone<R: Real> {
@@ -45,7 +44,7 @@ fn cone<R: Real>(origin: Vec3<R>, center: Vec3<R>, radius: R) -> Cone<R> {
 
 #[inline(always)]
 fn cone_pdf<R: Real>(row: R, cone: &Cone<R>) -> R {
-    let pdf = row / (R::splat(TAU) * cone.one_minus_cos);
+    let pdf = row * warp::uniform_cone_pdf(cone.one_minus_cos);
     pdf.masked(cone.outside & pdf.is_finite())
 }
 
@@ -75,8 +74,8 @@ pub(super) fn sample<R: Real>(center: Vec3<R>, radius: R, row: R, origin: Vec3<R
     let cos_alpha = sqrt_rest.mul_add(cos_theta, q * cone.sin_max);
 
     let (sin_phi, cos_phi) = sincos_2pi(u[1]);
-    let frame = Frame::from_z(cone.axis);
-    let across = frame.x.mul_add(cos_phi, frame.y * sin_phi);
+    let frame = Frame::from_normal(cone.axis);
+    let across = frame.tangent.mul_add(cos_phi, frame.bitangent * sin_phi);
     let ng = across.mul_add(sin_alpha, cone.axis * -cos_alpha);
     let from_center = ng * radius;
     LightPoint {

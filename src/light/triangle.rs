@@ -1,8 +1,8 @@
 //! A triangle that emits from its counter-clockwise side, sampled uniformly in area.
 
-use super::provisional::warp;
 use super::sample::LightPoint;
 use crate::lane::{Real, Vec3};
+use crate::sampling::warp;
 
 /// Bound of the rounding error of a point on a primitive, relative to the magnitudes it was summed from:
 /// γ(7) = 7u/(1 − 7u) with u = 2⁻²⁴ (Pharr, Jakob, Humphreys 2023, §6.8.5).

@@ -2,17 +2,16 @@
 
 pub mod budget;
 pub mod interrupt;
-mod process;
 mod progress;
 mod summary;
 
 pub use budget::{Budget, StoppedBy};
-pub use process::{peak_memory_bytes, seconds_since_process_start};
 pub use progress::Progress;
 pub use summary::{Summary, Times};
 
 use crate::film::{AovSample, Film, FilmChannels, TileFilm};
 use crate::kernel::{Counters, Job, Kernel, SampleBuffer, Width, World, select};
+use crate::process::{allowed_cores, pin_to_core, seconds_since_process_start};
 use budget::Pacer;
 use rayon::prelude::*;
 use std::cell::RefCell;
@@ -61,10 +60,10 @@ pub fn thread_pool(threads: usize) -> Result<rayon::ThreadPool, rayon::ThreadPoo
 /// # Errors
 /// The operating system gives no thread.
 pub fn pinned_thread_pool(threads: usize) -> Result<rayon::ThreadPool, rayon::ThreadPoolBuildError> {
-    let cores = process::allowed_cores();
+    let cores = allowed_cores();
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
-        .start_handler(move |i| cores.get(i % cores.len().max(1)).copied().map_or((), process::pin_to_core))
+        .start_handler(move |i| cores.get(i % cores.len().max(1)).copied().map_or((), pin_to_core))
         .build()
 }
 

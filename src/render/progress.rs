@@ -48,7 +48,7 @@ impl Progress {
             self.error = relative_error();
             self.last = Some(Instant::now());
         }
-        let fraction = self.fraction(done, seconds);
+        let fraction = self.fraction(done);
         let message = self.message(done, counters, seconds, fraction);
         if let Some(bar) = &self.bar {
             bar.set_position((fraction * STEPS as f64) as u64);
@@ -59,13 +59,12 @@ impl Progress {
     }
 
     /// The share of the nearest limit that is used up. Never rounded up: 100 % means done.
-    fn fraction(&self, done: u64, seconds: f64) -> f64 {
+    fn fraction(&self, done: u64) -> f64 {
         let samples = self.budget.samples.map_or(0.0, |n| done as f64 / n.max(1) as f64);
         let time = self.budget.seconds.map_or(0.0, |_| {
-            super::seconds_since_process_start() / self.budget.seconds.unwrap_or(f64::INFINITY)
+            crate::process::seconds_since_process_start() / self.budget.seconds.unwrap_or(f64::INFINITY)
         });
         let error = self.budget.error.zip(self.error).map_or(0.0, |(target, e)| (target / e).powi(2));
-        let _ = seconds;
         samples.max(time).max(error).clamp(0.0, 1.0)
     }
 

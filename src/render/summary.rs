@@ -1,6 +1,7 @@
 //! What a render reports: the JSON file, and the lines a person reads at the end.
 
-use super::{Options, Outcome, StoppedBy, peak_memory_bytes};
+use super::{Options, Outcome, StoppedBy};
+use crate::process::{peak_memory_bytes, seconds_since_process_start};
 use crate::film::Discarded;
 use crate::kernel::{Counters, Setup, World};
 use crate::plan::Plan;
@@ -107,7 +108,7 @@ impl Summary {
     /// Closes the books once the image is written.
     pub fn finish(&mut self, output_seconds: f64) {
         self.output_seconds = output_seconds;
-        self.wall_seconds = super::seconds_since_process_start();
+        self.wall_seconds = seconds_since_process_start();
         self.peak_memory_bytes = peak_memory_bytes();
     }
 }

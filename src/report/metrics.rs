@@ -6,6 +6,10 @@ use crate::film::{Attribute, ExrImage, VarianceValidity};
 
 use super::sidak::sidak_bound;
 
+/// Below this many samples a z-score's variance is itself so uncertain that its tails are not the normal ones: under 64
+/// samples of each, Student's t puts more than four times as much beyond the bound for a 256×256 image.
+const NORMAL_SAMPLES: u64 = 64;
+
 /// How far image A is from B. Sums run over all pixels and channels in order, in f64; values that are not finite in A
 /// or B are left out and counted.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -129,6 +133,12 @@ fn z_scores(a: &ExrImage, b: &ExrImage) -> (Option<ZScores>, Vec<String>) {
         && seed_a.to_string() == seed_b.to_string()
     {
         notes.push(format!("both used seed {seed_a}: where they share samples, z-scores are too small"));
+    }
+    let samples = [a, b].into_iter().filter_map(|image| samples(image)?.parse::<u64>().ok()).min();
+    if let Some(few) = samples.filter(|&samples| samples < NORMAL_SAMPLES) {
+        notes.push(format!(
+            "{few} samples are few for a mean to be normal: z-scores spread wider than the bound allows"
+        ));
     }
     let mut scores = ScoreSums::default();
     for c in 0..3 {

@@ -1,6 +1,7 @@
 //! What is said about images once they exist: error metrics and comparisons.
 
 pub mod bench;
+pub mod bench_rays;
 pub mod compare;
 pub mod diff;
 pub mod metrics;

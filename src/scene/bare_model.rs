@@ -18,6 +18,8 @@ const INSIDE_VFOV: f64 = 60.0;
 const OUTSIDE_VIEW: DVec3 = DVec3::new(0.5, 0.35, 1.0);
 /// How much of the picture is left free around a model.
 const MARGIN: f64 = 1.05;
+/// The rounding of a camera that is put up with, as a fraction of its distance: well inside the margin.
+const ROUNDING: f64 = 0.02;
 /// Eye height as a fraction of a room's: about 1.6 m under a ceiling at 2.6 m.
 const EYE_HEIGHT: f64 = 0.6;
 /// How far back from the middle towards the wall the camera stands in a room.
@@ -31,16 +33,20 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
     let (mut materials, _) = materials.finish();
     let around = Surroundings::of(&mesh);
     let is_room = around.is_room();
-    let (camera, free_behind) = if is_room { inside(&around, notes) } else { (outside(&around, notes), 0.0) };
-    if !camera.position.iter().chain(&camera.look_at).all(|c| c.is_finite()) || camera.position == camera.look_at {
+    let view = if is_room { inside(&around, notes) } else { outside(&around, notes) };
+    let lost = || {
         let message = "no camera can frame the model: its extent is lost in single precision";
-        return Err(SceneError::whole(file, message, "place it near the origin, at a moderate scale"));
-    }
+        SceneError::whole(file, message, "place it near the origin, at a moderate scale")
+    };
+    let camera = view.camera().ok_or_else(lost)?;
     let mut spheres = Vec::new();
     let mut environment = None;
     if !materials.iter().any(|material| material.emission.iter().any(|&c| c > 0.0)) {
         if is_room {
-            let (lamp, material) = lamp(&around, &camera, free_behind, materials.len() as u32, notes);
+            let (lamp, material) = lamp(&around, &view, materials.len() as u32, notes);
+            if !(lamp.radius > 0.0 && material.emission[0].is_finite()) {
+                return Err(lost());
+            }
             spheres.push(lamp);
             materials.push(material);
         } else {
@@ -62,7 +68,7 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
 }
 
 /// The nearest place along [`OUTSIDE_VIEW`] from which all corners of the bounding box are in a square picture.
-fn outside(around: &Surroundings, notes: &mut Notes) -> Camera {
+fn outside(around: &Surroundings, notes: &mut Notes) -> View {
     let backward = OUTSIDE_VIEW.normalize();
     let right = DVec3::Y.cross(backward).normalize();
     let up = backward.cross(right);
@@ -75,11 +81,11 @@ fn outside(around: &Surroundings, notes: &mut Notes) -> Camera {
     // A model of no extent is a point, seen from anywhere.
     let distance = if distance > 0.0 { distance } else { 1.0 };
     notes.assume(format!("the camera frames the bounding box from outside: +y is up, vfov {OUTSIDE_VFOV}"));
-    camera(around.center() + backward * distance, around.center(), OUTSIDE_VFOV)
+    View { position: around.center() + backward * distance, look_at: around.center(), vfov: OUTSIDE_VFOV, behind: 0.0 }
 }
 
-/// Inside a room, and how much room there is between the camera and the wall behind it.
-fn inside(around: &Surroundings, notes: &mut Notes) -> (Camera, f64) {
+/// Inside a room, back from the middle along its longest horizontal axis.
+fn inside(around: &Surroundings, notes: &mut Notes) -> View {
     let size = around.size();
     let middle = around.center() + DVec3::Y * ((EYE_HEIGHT - 0.5) * size.y);
     let (axis, half, name) =
@@ -93,16 +99,21 @@ fn inside(around: &Surroundings, notes: &mut Notes) -> (Camera, f64) {
          +y is up, vfov {INSIDE_VFOV}",
         EYE_HEIGHT * 100.0
     ));
-    let position = middle + back * (behind * STEP_BACK);
-    (camera(position, middle, INSIDE_VFOV), behind * (1.0 - STEP_BACK))
+    View {
+        position: middle + back * (behind * STEP_BACK),
+        look_at: middle,
+        vfov: INSIDE_VFOV,
+        behind: behind * (1.0 - STEP_BACK),
+    }
 }
 
 /// A small lamp behind and above the camera that gives the middle of the room about the irradiance π of a constant
 /// environment of radiance 1.
-fn lamp(around: &Surroundings, camera: &Camera, free: f64, material: u32, notes: &mut Notes) -> (Sphere, Material) {
-    let [position, middle] = [camera.position, camera.look_at].map(|p| DVec3::from(p.map(f64::from)));
+fn lamp(around: &Surroundings, view: &View, material: u32, notes: &mut Notes) -> (Sphere, Material) {
+    let &View { position, look_at: middle, behind, .. } = view;
     let backward = (position - middle).normalize();
-    let radius = 0.2 * free.min(around.size().y);
+    // Small enough to stay clear of the wall behind and of the ceiling.
+    let radius = 0.2 * behind.min((1.0 - EYE_HEIGHT) * around.size().y);
     let center = position + (backward + DVec3::Y) * (2.0 * radius);
     // A sphere of radiance L irradiates a patch that faces it from distance d by π L (r/d)².
     let radiance = (center.distance(middle) / radius).powi(2) as f32;
@@ -115,11 +126,25 @@ fn lamp(around: &Surroundings, camera: &Camera, free: f64, material: u32, notes:
     (Sphere { center: center.as_vec3().to_array(), radius: radius as f32, material }, material_of_lamp)
 }
 
-fn camera(position: DVec3, look_at: DVec3, vfov: f64) -> Camera {
-    Camera {
-        position: position.as_vec3().to_array(),
-        look_at: look_at.as_vec3().to_array(),
-        up: [0.0, 1.0, 0.0],
-        vfov: vfov as f32,
+/// A camera in double precision.
+struct View {
+    position: DVec3,
+    look_at: DVec3,
+    vfov: f64,
+    /// In a room: from the camera to the wall behind it.
+    behind: f64,
+}
+
+impl View {
+    /// `None` where rounding to single precision moves the view by more than the picture has room for.
+    fn camera(&self) -> Option<Camera> {
+        let [position, look_at] = [self.position, self.look_at].map(|p| p.as_vec3());
+        let error = (position.as_dvec3() - self.position).length() + (look_at.as_dvec3() - self.look_at).length();
+        (error <= ROUNDING * self.position.distance(self.look_at)).then_some(Camera {
+            position: position.to_array(),
+            look_at: look_at.to_array(),
+            up: [0.0, 1.0, 0.0],
+            vfov: self.vfov as f32,
+        })
     }
 }

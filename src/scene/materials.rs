@@ -89,8 +89,8 @@ struct Libraries {
 impl Libraries {
     fn read(obj: &Path, outline: &Outline) -> Result<Self, SceneError> {
         let mut libraries = Self { read: Vec::new(), missing: Vec::new() };
-        for (name, _) in &outline.libraries {
-            match Library::read(beside(obj, name)) {
+        for path in outline.libraries.iter().flat_map(|name| library_paths(obj, name)) {
+            match Library::read(path) {
                 Ok(library) => libraries.read.push(library),
                 // Without a line, the file itself is at fault: that matters only if a material is missed.
                 Err(error) if error.line.is_none() => libraries.missing.push(error),
@@ -123,4 +123,13 @@ impl Libraries {
             }
         }
     }
+}
+
+/// One `mtllib` line names one file with spaces in its name, or several without.
+fn library_paths(obj: &Path, names: &str) -> Vec<PathBuf> {
+    let whole = beside(obj, names);
+    if whole.is_file() || !names.contains(char::is_whitespace) {
+        return vec![whole];
+    }
+    names.split_whitespace().map(|name| beside(obj, name)).collect()
 }

@@ -26,8 +26,8 @@ pub(super) struct MaterialUse {
 /// What was learnt on the way.
 #[derive(Default)]
 pub(super) struct Outline {
-    /// `mtllib` names with their lines.
-    pub libraries: Vec<(String, usize)>,
+    /// What the `mtllib` lines name.
+    pub libraries: Vec<String>,
     /// In order of first use: tobj's material index.
     pub materials: Vec<MaterialUse>,
     /// Do faces come before the first `usemtl`?
@@ -100,6 +100,8 @@ impl<'a, B: BufRead> Feed<'a, B> {
             let text = if self.line == 1 { text.trim_start_matches('\u{feff}') } else { &text };
             if let Err((message, mend)) = self.judge(text, outline) {
                 outline.error = Some(SceneError::at(self.file, self.line, message, mend));
+            }
+            if outline.error.is_some() {
                 self.ready.clear();
             }
             self.raw = raw;
@@ -120,7 +122,7 @@ impl<'a, B: BufRead> Feed<'a, B> {
             "usemtl" => self.material(rest.trim(), outline),
             "mtllib" if rest.trim().is_empty() => fail("`mtllib` names no file", "name the .mtl file after it"),
             "mtllib" => {
-                outline.libraries.push((rest.trim().to_owned(), self.line));
+                outline.libraries.push(rest.trim().to_owned());
                 Ok(())
             }
             "s" => {
@@ -230,6 +232,10 @@ impl<'a, B: BufRead> Feed<'a, B> {
                 number
             }
         };
+        // tobj closes the group of faces here and looks up all they named.
+        if self.current != Some(number) {
+            outline.error = outline.beyond_the_end(self.file);
+        }
         let _ = writeln!(self.ready, "usemtl {number}");
         self.current = Some(number);
         Ok(())
@@ -237,7 +243,7 @@ impl<'a, B: BufRead> Feed<'a, B> {
 }
 
 impl Outline {
-    /// The error of an index beyond what the file holds, if there is one.
+    /// The error of an index beyond what has been defined, to be asked where a group of faces ends.
     pub fn beyond_the_end(&self, file: &Path) -> Option<SceneError> {
         let held = [self.positions, self.texcoords, self.normals];
         (0..3).find(|&kind| self.largest[kind].0 > held[kind]).map(|kind| {

@@ -7,7 +7,7 @@ use super::materials::Materials;
 use super::mesh_file::add_obj;
 use super::notes::Notes;
 use super::toml_material::MaterialTable;
-use super::toml_text::{Colour, TomlText};
+use super::toml_text::{Colour, Numbers, TomlText};
 use super::transform::Transform;
 use super::{
     Camera, Environment, FilmSize, Integrator, IntegratorKind, Material, Mesh, Scene, Sphere, environment as image,
@@ -36,9 +36,9 @@ struct SceneTable {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CameraTable {
-    position: Spanned<[f64; 3]>,
-    look_at: Spanned<[f64; 3]>,
-    up: Option<Spanned<[f64; 3]>>,
+    position: Spanned<Numbers<3>>,
+    look_at: Spanned<Numbers<3>>,
+    up: Option<Spanned<Numbers<3>>>,
     vfov: Option<Spanned<f64>>,
 }
 
@@ -70,13 +70,13 @@ struct MeshTable {
     file: Spanned<String>,
     #[serde(default)]
     flat: bool,
-    transform: Option<Spanned<[f64; 16]>>,
+    transform: Option<Spanned<Numbers<16>>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SphereTable {
-    center: Spanned<[f64; 3]>,
+    center: Spanned<Numbers<3>>,
     radius: Spanned<f64>,
     material: Spanned<String>,
 }
@@ -253,10 +253,10 @@ fn add_mesh(
     let transform = match &table.transform {
         None => None,
         Some(rows) => {
-            if rows.as_ref().iter().any(|&element| FINITE.admit(element).is_none()) {
+            if rows.as_ref().0.iter().any(|&element| FINITE.admit(element).is_none()) {
                 return Err(text.error(rows.span(), "`transform` holds numbers that are not finite", "mend them"));
             }
-            let transform = Transform::from_rows(*rows.as_ref());
+            let transform = Transform::from_rows(rows.as_ref().0);
             Some(transform.map_err(|(message, mend)| text.error(rows.span(), message, mend))?)
         }
     };

@@ -2,7 +2,7 @@
 
 use super::domain::Domain;
 use super::error::SceneError;
-use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Unexpected, Visitor};
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
@@ -38,7 +38,15 @@ impl TomlText<'_> {
             return self.error(span, format!("{key} is missing"), "add it");
         }
         let key = self.text.get(span.clone()).and_then(|_| self.key_at(span.start)).unwrap_or_default();
-        if let Some((what, wanted)) = message.rsplit_once(", expected ") {
+        if let Some((what, wanted)) = message.rsplit_once(", expected ").filter(|_| message.starts_with("invalid ")) {
+            let wanted = match wanted {
+                "f64" => "a number",
+                "i64" => "a whole number",
+                "a boolean" => "true or false",
+                "a sequence" => "a list ([[NAME]] for tables)",
+                table if table.starts_with("struct ") => "a table",
+                other => other,
+            };
             return self.error(span, format!("{key}{what}"), format!("write {wanted}"));
         }
         self.error(span, format!("{key}{message}"), "mend the TOML here")
@@ -58,8 +66,8 @@ impl TomlText<'_> {
     }
 
     /// A vector whose components are in the domain.
-    pub fn vector(&self, key: &str, value: &Spanned<[f64; 3]>, domain: &Domain) -> Result<[f32; 3], SceneError> {
-        domain.admit3(*value.as_ref()).ok_or_else(|| self.outside(key, value, domain))
+    pub fn vector(&self, key: &str, value: &Spanned<Numbers<3>>, domain: &Domain) -> Result<[f32; 3], SceneError> {
+        domain.admit3(value.as_ref().0).ok_or_else(|| self.outside(key, value, domain))
     }
 
     /// A colour whose channels are in the domain.
@@ -73,41 +81,57 @@ impl TomlText<'_> {
     }
 }
 
+/// Exactly `N` numbers. (serde's own arrays let more than `N` pass.)
+#[derive(Clone, Copy)]
+pub(super) struct Numbers<const N: usize>(pub [f64; N]);
+
+impl<'de, const N: usize> Deserialize<'de> for Numbers<N> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NumbersVisitor { grey: false }).map(Numbers)
+    }
+}
+
 /// Red, green and blue; written as three numbers, or as one for a grey.
 #[derive(Clone, Copy)]
 pub(super) struct Colour(pub [f64; 3]);
 
 impl<'de> Deserialize<'de> for Colour {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(ColourVisitor)
+        deserializer.deserialize_any(NumbersVisitor { grey: true }).map(Colour)
     }
 }
 
-struct ColourVisitor;
+/// Reads `N` numbers or, where they are a colour's, one in place of all.
+struct NumbersVisitor<const N: usize> {
+    grey: bool,
+}
 
-impl<'de> Visitor<'de> for ColourVisitor {
-    type Value = Colour;
+impl<'de, const N: usize> Visitor<'de> for NumbersVisitor<N> {
+    type Value = [f64; N];
 
     fn expecting(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
-        formatter.write_str("three numbers [red, green, blue], or one for a grey")
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Colour, E> {
-        Ok(Colour([value as f64; 3]))
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Colour, E> {
-        Ok(Colour([value; 3]))
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut channels: A) -> Result<Colour, A::Error> {
-        let mut colour = [0.0; 3];
-        for (i, channel) in colour.iter_mut().enumerate() {
-            *channel = channels.next_element()?.ok_or_else(|| A::Error::invalid_length(i, &self))?;
+        match self.grey {
+            false => write!(formatter, "{N} numbers in brackets"),
+            true => formatter.write_str("three numbers [red, green, blue], or one for a grey"),
         }
-        match channels.next_element::<f64>()? {
-            None => Ok(Colour(colour)),
-            Some(_) => Err(A::Error::invalid_length(4, &self)),
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Self::Value, E> {
+        if self.grey { Ok([value as f64; N]) } else { Err(E::invalid_type(Unexpected::Signed(value), &self)) }
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Self::Value, E> {
+        if self.grey { Ok([value; N]) } else { Err(E::invalid_type(Unexpected::Float(value), &self)) }
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Self::Value, A::Error> {
+        let mut numbers = [0.0; N];
+        for (i, number) in numbers.iter_mut().enumerate() {
+            *number = sequence.next_element()?.ok_or_else(|| A::Error::invalid_length(i, &self))?;
+        }
+        match sequence.next_element::<f64>()? {
+            None => Ok(numbers),
+            Some(_) => Err(A::Error::invalid_length(N + 1, &self)),
         }
     }
 }

@@ -2,22 +2,41 @@
 
 use super::TESTS;
 use super::scenes::*;
-use crate::stats::{Chi2Sphere, Rng, oracle};
-use octolux::light::{sphere_pdf, triangle_pdf};
+use crate::stats::{Rng, chi2_test, oracle, sidak_alpha};
+use octolux::light::{EmitterShape, sphere_pdf, triangle_pdf};
 use std::f64::consts::TAU;
 
 const ULP: f64 = 5.960_464_477_539_063e-8; // 2⁻²⁴
 
+/// Cells of equal solid angle inside the cone: the stated density times that must be each one's share.
 #[test]
 fn spheres_follow_their_density() {
+    const ROWS: usize = 16;
+    const COLUMNS: usize = 32;
     let cases = [("near", [0.3, -0.2, 1.0], 1.0), ("half", [1.0, 1.0, -1.0], 0.8), ("small", [-1.2, 0.4, 0.3], 0.02)];
     for (name, center, radius) in cases {
-        let emitters = [sphere(0, center, radius, [1.0; 3])];
-        let lights = area_lights(&emitters);
-        Chi2Sphere::new(name).tests(TESTS).around(center, 3.0).run(
-            |rng| Some(f64s(draw(&lights, [0.0; 3], rng).wi.lane(0))),
-            |d| stated_pdf(&lights, &emitters, [0.0; 3], d),
-        );
+        let lights = area_lights(&[sphere(0, center, radius, [1.0; 3])]);
+        let axis = unit(center);
+        let side = unit(cross(axis, [0.0, 1.0, 0.0]));
+        let other = cross(axis, side);
+        let s2 = radius * radius / dot(center, center);
+        let one_minus_cos = s2 / (1.0 + (1.0 - s2).sqrt());
+        let pdf = f64::from(lights.pdf_area::<f32>(bits(0), vec1([0.0; 3]), 1.0, 1.0));
+        let share = pdf * TAU * one_minus_cos / (ROWS * COLUMNS) as f64;
+        let draws = 200_000;
+        let mut observed = vec![0u64; ROWS * COLUMNS];
+        let mut rng = Rng::new(5);
+        for _ in 0..draws {
+            let d = f64s(draw(&lights, [0.0; 3], &mut rng).wi.lane(0));
+            // 1 − cosθ without cancellation: |d − axis|²/2.
+            let off = sub(d, axis);
+            let row = (0.5 * dot(off, off) / one_minus_cos * ROWS as f64) as usize;
+            let turn = (dot(d, other).atan2(dot(d, side)) / TAU).rem_euclid(1.0);
+            let column = ((turn * COLUMNS as f64) as usize).min(COLUMNS - 1);
+            observed[row.min(ROWS - 1) * COLUMNS + column] += 1;
+        }
+        let outcome = chi2_test(&observed, &vec![share * f64::from(draws); ROWS * COLUMNS]);
+        assert!(outcome.p_value > sidak_alpha(TESTS), "{name}: {outcome:?}");
     }
 }
 
@@ -63,7 +82,7 @@ fn targets_lie_on_the_sphere() {
             let distance = radius * ratio;
             for _ in 0..50 {
                 let light = sphere(0, rng.sphere(), radius, [1.0; 3]);
-                let octolux::light::EmitterShape::Sphere { center, radius } = light.shape else { unreachable!() };
+                let EmitterShape::Sphere { center, radius } = light.shape else { unreachable!() };
                 let lights = area_lights(&[light]);
                 let p = f32s(std::array::from_fn({
                     let away = scaled(rng.sphere(), distance);

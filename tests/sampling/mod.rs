@@ -1,5 +1,6 @@
 //! Random numbers, warps and frames.
 
+pub mod draw;
 mod frame;
 mod random;
 mod warp;

@@ -1,23 +1,11 @@
 //! Warps against their densities, their known variances, and at the ends of their domains.
 
+use super::draw::one_by_one;
 use crate::lane::widths::{LaneFunction, assert_same_bits};
 use crate::stats::{Chi2Sphere, Moments, assert_mean, assert_variance, chi2_test, oracle, sidak_alpha};
 use octolux::lane::{Real, Vec3, f32x8};
 use octolux::sampling::{ONE_BELOW, Xoshiro, warp};
 use std::f64::consts::PI;
-
-/// One value at a time of what `draw` makes eight at a time.
-pub fn one_by_one<T>(seed: u64, mut draw: impl FnMut(&mut Xoshiro<f32x8>) -> [T; 8]) -> impl FnMut() -> T {
-    let mut rng = Xoshiro::from_keys(|lane| seed << 8 | lane as u64);
-    let mut left = Vec::new();
-    move || {
-        if left.is_empty() {
-            left.extend(draw(&mut rng));
-            left.reverse();
-        }
-        left.pop().unwrap()
-    }
-}
 
 fn pair(rng: &mut Xoshiro<f32x8>) -> [f32x8; 2] {
     [rng.next_unit(), rng.next_unit()]

@@ -1,0 +1,117 @@
+//! Timing one set in one configuration.
+
+use super::files::RaySet;
+use super::{SetReport, TraceMode};
+use crate::accel::{Accel, Brute, Mode, Packet, Single};
+use crate::geometry::{MISS, Ray};
+use crate::lane::{Bits, Mask, Real, Vec3, f32x8, f32x16};
+use crate::process::{allowed_cores, pin_to_core};
+use std::sync::{Barrier, Mutex};
+use std::time::Instant;
+
+/// Rays a thread takes at a time.
+const CHUNK: usize = 4096;
+
+/// What a pass writes: t (closest hits only) and the primitive, or 0 for any hit.
+struct Output {
+    t: Vec<f32>,
+    primitive: Vec<u32>,
+}
+
+type Pass = fn(&Accel, &RaySet, usize, &mut [f32], &mut [u32]);
+
+#[allow(clippy::too_many_arguments)] // the axes of a table; a struct would only rename them
+pub fn measure(
+    accel: &Accel,
+    name: &str,
+    rays: &RaySet,
+    mode: TraceMode,
+    lanes: usize,
+    threads: usize,
+    windows: usize,
+    scale: f32,
+) -> SetReport {
+    let pass = pass(mode, lanes);
+    let mut out = Output { t: vec![0.0; rays.count()], primitive: vec![MISS; rays.count()] };
+    run(accel, rays, pass, threads, &mut out);
+    let mut rates: Vec<f64> =
+        (0..windows).map(|_| rays.count() as f64 / run(accel, rays, pass, threads, &mut out) * 1e-6).collect();
+    rates.sort_by(f64::total_cmp);
+    let hit = |i: &usize| out.primitive[*i] != MISS;
+    let hits = (0..rays.count()).filter(hit);
+    let sum_t = hits.clone().filter(|_| !rays.any).map(|i| f64::from(out.t[i]) / f64::from(scale)).sum();
+    SetReport {
+        set: name.into(),
+        threads,
+        lanes,
+        mode,
+        mrays_per_s: rates[rates.len() / 2],
+        min: rates[0],
+        max: rates[rates.len() - 1],
+        hits: hits.count(),
+        rays: rays.count(),
+        sum_t,
+    }
+}
+
+fn pass(mode: TraceMode, lanes: usize) -> Pass {
+    fn at<M: Mode>(lanes: usize) -> Pass {
+        match lanes {
+            1 => trace_chunk::<f32, M>,
+            8 => trace_chunk::<f32x8, M>,
+            _ => trace_chunk::<f32x16, M>,
+        }
+    }
+    match mode {
+        TraceMode::Brute => at::<Brute>(lanes),
+        TraceMode::Packet => at::<Packet>(lanes),
+        TraceMode::Single | TraceMode::Auto => at::<Single>(lanes),
+    }
+}
+
+/// One pass over the whole set; seconds from the moment all threads are pinned and ready.
+fn run(accel: &Accel, rays: &RaySet, pass: Pass, threads: usize, out: &mut Output) -> f64 {
+    let chunks = out.t.chunks_mut(CHUNK).zip(out.primitive.chunks_mut(CHUNK)).enumerate();
+    let (work, ready) = (Mutex::new(chunks), Barrier::new(threads + 1));
+    let cores = allowed_cores();
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads)
+            .map(|cpu| {
+                let (work, ready, cores) = (&work, &ready, &cores);
+                scope.spawn(move || {
+                    if let Some(&core) = cores.get(cpu % cores.len().max(1)) {
+                        pin_to_core(core);
+                    }
+                    ready.wait();
+                    // A panic elsewhere poisons nothing that matters: the chunks are independent.
+                    let take = || work.lock().unwrap_or_else(|e| e.into_inner()).next();
+                    while let Some((i, (t, primitive))) = take() {
+                        pass(accel, rays, i * CHUNK, t, primitive);
+                    }
+                    Instant::now()
+                })
+            })
+            .collect();
+        ready.wait();
+        let start = Instant::now();
+        let ends = workers.into_iter().filter_map(|worker| worker.join().ok());
+        ends.map(|end| end.duration_since(start).as_secs_f64()).fold(1e-9, f64::max)
+    })
+}
+
+fn trace_chunk<R: Real, M: Mode>(accel: &Accel, rays: &RaySet, first: usize, t: &mut [f32], primitive: &mut [u32]) {
+    let all = R::Mask::splat(true);
+    for k in (0..t.len()).step_by(R::WIDTH) {
+        let column = |c: usize| R::load(&rays.columns[c][first + k..]);
+        let ray =
+            Ray::new(Vec3::new(column(0), column(1), column(2)), Vec3::new(column(3), column(4), column(5)), column(6));
+        if rays.any {
+            let hit = accel.occluded::<R, M>(&ray, all);
+            R::Bits::select(hit, R::Bits::splat(0), R::Bits::splat(MISS)).store(&mut primitive[k..]);
+        } else {
+            let hit = accel.trace::<R, M>(&ray, all);
+            hit.t.store(&mut t[k..]);
+            hit.primitive.store(&mut primitive[k..]);
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! EXR files: what is written is what is read, by our reader and by the library's own.
+
+use super::{filled, rendered, shared};
+use exr::prelude::{self as library, f16};
+use octolux::film::exr_read;
+use octolux::film::exr_write::write_rows;
+use octolux::film::{Attribute, Film, FilmChannels, VarianceValidity, read_exr, write_exr};
+use std::io::Cursor;
+use std::path::Path;
+
+fn attributes() -> Vec<(String, Attribute)> {
+    vec![
+        ("version".into(), "0.1.0".into()),
+        ("scene".into(), "scenes/größe 🌞.toml".into()),
+        ("samples".into(), 65u64.into()),
+        ("seed".into(), u64::MAX.into()),
+        ("seconds".into(), 1.25f32.into()),
+        ("stopped_by".into(), "".into()),
+        ("octolux.name".into(), "a prefix of its own".into()),
+    ]
+}
+
+fn bits(plane: &[f32]) -> Vec<u32> {
+    plane.iter().map(|value| value.to_bits()).collect()
+}
+
+/// One value of a film's pixels as f32 bits, row by row.
+fn plane(film: &Film, value: impl Fn(u32, u32) -> f64) -> Vec<u32> {
+    let rows = (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
+    rows.map(|(x, y)| (value(x, y) as f32).to_bits()).collect()
+}
+
+#[test]
+fn every_channel_and_attribute_round_trips() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("image.exr");
+    // Higher than the blocks that are in flight at once, and no multiple of anything.
+    let film = rendered((19, 151), 8, FilmChannels::ColourAndAovs, 65, 65);
+    write_exr(&film, &path, &attributes(), VarianceValidity::Independent).unwrap();
+    let image = read_exr(&path).unwrap();
+
+    assert_eq!((image.width, image.height, image.channels.len()), (19, 151, 13));
+    for c in 0..3 {
+        assert_eq!(bits(image.rgb()[c]), plane(&film, |x, y| film.mean(x, y)[c]));
+        assert_eq!(bits(image.variance().unwrap()[c]), plane(&film, |x, y| film.variance_of_mean(x, y).unwrap()[c]));
+        let albedo = image.channel(["albedo.R", "albedo.G", "albedo.B"][c]).unwrap();
+        assert_eq!(bits(albedo), plane(&film, |x, y| film.aovs(x, y).unwrap().albedo[c]));
+        let normal = image.channel(["N.X", "N.Y", "N.Z"][c]).unwrap();
+        assert_eq!(bits(normal), plane(&film, |x, y| film.aovs(x, y).unwrap().normal[c]));
+    }
+    assert_eq!(bits(image.channel("Z").unwrap()), plane(&film, |x, y| film.aovs(x, y).unwrap().depth));
+
+    assert_eq!(image.variance_validity(), Some(VarianceValidity::Independent));
+    for (name, value) in attributes() {
+        let read = image.attribute(&name).unwrap();
+        assert_eq!(read.to_string(), value.to_string(), "{name}");
+    }
+    assert_eq!(image.attribute("samples"), Some(&Attribute::Integer(65)));
+    assert_eq!(image.attribute("seconds"), Some(&Attribute::Float(1.25)));
+}
+
+#[test]
+fn one_sample_writes_no_variance_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("one.exr");
+    let film = rendered((5, 4), 3, FilmChannels::Colour, 1, 1);
+    write_exr(&film, &path, &[], VarianceValidity::Independent).unwrap();
+    let image = read_exr(&path).unwrap();
+    let names: Vec<&str> = image.channels.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["B", "G", "R"]);
+    assert!(image.variance().is_none() && image.variance_validity().is_none());
+    assert!(image.attribute("variance_validity").unwrap().to_string().starts_with("absent"));
+}
+
+#[test]
+fn validities_round_trip() {
+    for validity in [VarianceValidity::Independent, VarianceValidity::Correlated, VarianceValidity::Stopped] {
+        assert_eq!(VarianceValidity::parse(validity.text()), Some(validity));
+    }
+    assert_eq!(VarianceValidity::parse("believe me"), None);
+}
+
+#[test]
+fn values_at_the_ends_of_f32_stay_finite() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("ends.exr");
+    let film = filled((1, 1), 2, |_, _, s| [f32::MAX, if s == 0 { f32::MAX } else { 0.0 }, f32::MIN_POSITIVE / 8.0]);
+    write_exr(&film, &path, &[], VarianceValidity::Independent).unwrap();
+    let image = read_exr(&path).unwrap();
+    assert_eq!(image.rgb().map(|p| p[0]), [f32::MAX, f32::MAX / 2.0, f32::MIN_POSITIVE / 8.0]);
+    assert_eq!(image.variance().unwrap()[1][0], f32::MAX, "a variance beyond f32 is written as the largest f32");
+}
+
+#[test]
+fn the_librarys_own_reader_sees_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("image.exr");
+    let film = rendered((33, 18), 8, FilmChannels::Colour, 3, 3);
+    write_exr(&film, &path, &attributes(), VarianceValidity::Independent).unwrap();
+    let image = library::read_first_flat_layer_from_file(&path).unwrap();
+    let names: Vec<String> = image.layer_data.channel_data.list.iter().map(|c| c.name.to_string()).collect();
+    assert_eq!(names, ["B", "G", "R", "variance.B", "variance.G", "variance.R"]);
+    let red: Vec<f32> = image.layer_data.channel_data.list[2].sample_data.values_as_f32().collect();
+    assert_eq!(bits(&red), plane(&film, |x, y| film.mean(x, y)[0]));
+}
+
+#[test]
+fn half_floats_tiles_and_other_layouts_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("half.exr");
+    let value = |x: usize, y: usize| (x * 100 + y) as f32 / 8.0;
+    library::write_rgb_file(&path, 70, 65, |x, y| (f16::from_f32(value(x, y)), 2.0f32, (x + y) as u32)).unwrap();
+    let image = read_exr(&path).unwrap();
+    let [r, g, b] = image.rgb();
+    for (i, (x, y)) in (0..65).flat_map(|y| (0..70).map(move |x| (x, y))).enumerate() {
+        assert_eq!((r[i], g[i], b[i]), (f16::from_f32(value(x, y)).to_f32(), 2.0, (x + y) as f32));
+    }
+
+    for names in [&["Layer.Combined.R", "Layer.Combined.G", "Layer.Combined.B", "Z"][..], &["Y"]] {
+        write_rows(&path, (4, 3), names, &[], |y, planes| {
+            planes.iter_mut().enumerate().for_each(|(i, v)| *v = (10 * y + i) as f32);
+        })
+        .unwrap();
+        let image = read_exr(&path).unwrap();
+        let second = if names.len() == 1 { 11.0 } else { 15.0 };
+        assert_eq!((image.rgb()[0][5], image.rgb()[1][5]), (11.0, second), "{names:?}");
+    }
+}
+
+fn message(path: &Path) -> String {
+    let error = read_exr(path).expect_err("this must not be readable").to_string();
+    assert!(error.starts_with(&path.display().to_string()) && !error.contains('\n'), "{error}");
+    error
+}
+
+#[test]
+fn unreadable_files_are_one_line_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("image.exr");
+    message(&path);
+    message(folder.path());
+    for text in ["", "v/1\u{1}", "this is no image"] {
+        std::fs::write(&path, text).unwrap();
+        message(&path);
+    }
+    write_rows(&path, (2, 2), &["U", "V"], &[], |_, planes| planes.fill(0.0)).unwrap();
+    assert!(message(&path).contains("it has: U, V"));
+}
+
+#[test]
+fn a_header_that_asks_for_too_much_is_refused_before_memory_is_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("image.exr");
+    write_rows(&path, (2, 2), &["R", "G", "B"], &[], |_, planes| planes.fill(0.0)).unwrap();
+    let good = std::fs::read(&path).unwrap();
+    let key = b"dataWindow\0box2i\0\x10\0\0\0";
+    let at = good.windows(key.len()).position(|w| w == key).unwrap() + key.len();
+    for (x_max, y_max) in [(65_535, 65_535), (i32::MAX, 1), (1, i32::MAX), (i32::MAX, i32::MAX), (-1, -1), (40_000, 1)]
+    {
+        let mut bad = good.clone();
+        bad[at + 8..at + 12].copy_from_slice(&i32::to_le_bytes(x_max));
+        bad[at + 12..at + 16].copy_from_slice(&i32::to_le_bytes(y_max));
+        std::fs::write(&path, bad).unwrap();
+        message(&path);
+    }
+}
+
+#[test]
+fn damaged_files_never_panic() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("image.exr");
+    let film = rendered((9, 6), 8, FilmChannels::Colour, 2, 2);
+    write_exr(&film, &path, &[], VarianceValidity::Independent).unwrap();
+    let good = std::fs::read(&path).unwrap();
+    let decode = |bytes: &[u8]| exr_read::decode(Cursor::new(bytes), bytes.len() as u64);
+    assert!(decode(&good).is_ok());
+    (0..good.len()).for_each(|length| assert!(decode(&good[..length]).is_err(), "cut to {length} bytes"));
+    let mut random = super::SplitMix(1);
+    for _ in 0..20_000 {
+        let mut bad = good.clone();
+        for _ in 0..1 + random.next() % 3 {
+            let at = random.next() as usize % bad.len();
+            bad[at] = random.next() as u8;
+        }
+        // Some changes only touch pixel values; what counts is that it returns.
+        let _ = decode(&bad);
+    }
+}
+
+#[test]
+fn reference_images_have_their_published_means() {
+    let Some(shared) = shared() else { return };
+    let refs = shared.join("refs");
+    let mut seen = 0;
+    for entry in std::fs::read_dir(&refs).unwrap() {
+        let json = entry.unwrap().path();
+        if json.extension().is_none_or(|extension| extension != "json") {
+            continue;
+        }
+        let facts: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&json).unwrap()).unwrap();
+        let image = read_exr(&json.with_extension("exr")).unwrap();
+        for (c, plane) in image.rgb().into_iter().enumerate() {
+            let mean = plane.iter().map(|&v| f64::from(v)).sum::<f64>() / plane.len() as f64;
+            let published = facts["mean_rgb"][c].as_f64().unwrap();
+            // The published mean was taken before the pixels were rounded to float32, each by at most half an ulp.
+            let tolerance = published * f64::from(f32::EPSILON) / 2.0;
+            assert!((mean - published).abs() <= tolerance, "{}: {mean} {published}", json.display());
+        }
+        seen += 1;
+    }
+    assert!(seen > 0, "no reference was found in {}", refs.display());
+}

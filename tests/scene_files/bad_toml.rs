@@ -1,0 +1,184 @@
+//! Scene files that must not load: each with the line that is blamed and words that the message must hold.
+
+use super::{CAMERA, Files, TRIANGLE};
+
+/// Checks `text` (with a model `a.obj` beside it): the error is on `line` and names everything in `words`.
+fn refuses(text: &str, line: usize, words: &[&str]) {
+    let files = Files::new(&[("scene.toml", text), ("a.obj", TRIANGLE), ("b.txt", ""), ("bad.obj", "v 0 0\n")]);
+    let error = files.error("scene.toml");
+    let shown = error.to_string();
+    println!("{}", shown.replace(files.path("").to_str().expect("a path"), ""));
+    assert_eq!(error.line, Some(line), "{shown}\n{text}");
+    let place = format!("{}:{line}: ", files.path("scene.toml").display());
+    assert!(shown.starts_with(&place), "{shown}");
+    assert!(!shown.contains('\n'), "{shown}");
+    assert!(!error.mend.is_empty());
+    for word in words {
+        assert!(shown.contains(word), "`{word}` is not in: {shown}");
+    }
+}
+
+/// As `refuses`, for lines that follow a valid camera; `line` counts from the first of them.
+fn refuses_after_camera(text: &str, line: usize, words: &[&str]) {
+    refuses(&format!("{CAMERA}{text}"), line + CAMERA.lines().count(), words);
+}
+
+#[test]
+fn the_table_to_break_is_valid() {
+    let files = Files::new(&[("scene.toml", CAMERA)]);
+    let scene = files.load("scene.toml").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(scene.camera.up, [0.0, 1.0, 0.0]);
+    assert_eq!((scene.film.width, scene.film.height), (512, 512));
+    assert_eq!(scene.integrator.max_bounces, 7);
+}
+
+#[test]
+fn syntax() {
+    refuses("[camera\n", 1, &[]);
+    refuses_after_camera("\n[film]\nwidth = = 3\n", 3, &[]);
+    refuses_after_camera("vfov = 40\nvfov = 41\n", 2, &["duplicate"]);
+    refuses("a = \"\u{7}\"", 1, &[]);
+}
+
+#[test]
+fn unknown_keys() {
+    refuses_after_camera("lens_radius = 0.1\n", 1, &["lens_radius", "vfov"]);
+    refuses_after_camera("[filmm]\n", 1, &["filmm", "film"]);
+    refuses_after_camera("[film]\nwidth = 3\nheigth = 4\n", 3, &["heigth", "height"]);
+    refuses_after_camera("[environment]\nradiance = 1\nrotation = 5\n", 3, &["rotation"]);
+    refuses_after_camera("[[point_light]]\nposition = [0, 0, 0]\n", 1, &["point_light"]);
+    refuses_after_camera("[integrator]\nambient = [1, 1, 1]\n", 2, &["ambient"]);
+    refuses_after_camera("[materials.a]\ntype = \"diffuse\"\nreflectance = 1\nopacity = \"a.png\"\n", 4, &["opacity"]);
+    refuses_after_camera("[materials.a]\ntype = \"phong\"\n", 2, &["phong", "diffuse"]);
+    refuses_after_camera("[materials.a]\ntype = \"coated\"\nreflectance = 1\n", 2, &["coated"]);
+    refuses_after_camera("[integrator]\nkind = \"gather\"\n", 2, &["gather", "path"]);
+    refuses_after_camera("[materials.a]\ntype = \"diffuse\"\nreflectance = 1\nior = 1.5\n", 4, &["diffuse", "ior"]);
+    refuses_after_camera("[materials.a]\ntype = \"dielectric\"\nior = 1.5\nf0 = 1\n", 4, &["dielectric", "f0"]);
+}
+
+#[test]
+fn missing_keys() {
+    refuses("[film]\nwidth = 3\n", 1, &["camera"]);
+    refuses("\n\n[camera]\nposition = [0, 0, 0]\n", 3, &["look_at"]);
+    refuses_after_camera("[materials.a]\nreflectance = 1\n", 1, &["type"]);
+    refuses_after_camera("[materials.a]\ntype = \"diffuse\"\n", 2, &["reflectance"]);
+    refuses_after_camera("[materials.a]\ntype = \"dielectric\"\n", 2, &["ior"]);
+    refuses_after_camera("[materials.a]\ntype = \"conductor\"\n", 2, &["eta", "f0"]);
+    refuses_after_camera("[materials.a]\ntype = \"conductor\"\neta = 1\n", 2, &["`k`"]);
+    refuses_after_camera("[materials.a]\ntype = \"conductor\"\nf0 = 1\nreflectance = 1\n", 2, &["Fresnel"]);
+    refuses_after_camera("[environment]\n", 1, &["radiance"]);
+    refuses_after_camera("[[mesh]]\nflat = true\n", 1, &["file"]);
+    refuses_after_camera("[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\n", 1, &["material"]);
+}
+
+#[test]
+fn wrong_types() {
+    refuses_after_camera("vfov = \"wide\"\n", 1, &["vfov", "wide"]);
+    refuses_after_camera("vfov = [1]\n", 1, &["vfov"]);
+    refuses_after_camera("up = [0, 1]\n", 1, &["up", "3"]);
+    refuses_after_camera("up = [0, 1, 0, 0]\n", 1, &["up"]);
+    refuses_after_camera("[film]\nwidth = 2.5\n", 2, &["width"]);
+    refuses_after_camera("[integrator]\nmax_bounces = 7.0\n", 2, &["max_bounces"]);
+    refuses_after_camera("[[mesh]]\nfile = \"a.obj\"\nflat = 1\n", 3, &["flat"]);
+    refuses_after_camera("[[mesh]]\nfile = \"a.obj\"\ntransform = [1, 0, 0]\n", 3, &["transform", "16"]);
+    refuses_after_camera("[materials.a]\ntype = \"diffuse\"\nreflectance = \"wood.png\"\n", 3, &["reflectance"]);
+    refuses_after_camera("[materials.a]\ntype = \"diffuse\"\nreflectance = [1, 1]\n", 3, &["reflectance"]);
+    refuses_after_camera("[materials.a]\ntype = \"diffuse\"\nreflectance = [1, 1, 1, 1]\n", 3, &["reflectance"]);
+    refuses_after_camera("[mesh]\nfile = \"a.obj\"\n", 1, &[]);
+    refuses_after_camera("[materials]\na = 3\n", 2, &[]);
+}
+
+#[test]
+fn camera_values() {
+    refuses("[camera]\nposition = [0, 0, nan]\nlook_at = [0, 0, 0]\n", 2, &["position", "nan"]);
+    refuses("[camera]\nposition = [0, 0, 1e39]\nlook_at = [0, 0, 0]\n", 2, &["position", "1e39"]);
+    refuses("[camera]\nposition = [\n1, 1,\n1]\nlook_at = [1, 1, 1]\n", 5, &["target"]);
+    refuses("[camera]\nposition = [1, 0, 0]\nlook_at = [1.00000001, 0, 0]\n", 3, &["target"]);
+    refuses_after_camera("up = [0, 0, 1]\n", 1, &["parallel"]);
+    refuses_after_camera("up = [0, 0, -3e-30]\n", 1, &["parallel"]);
+    refuses_after_camera("up = [0, 0, 0]\n", 1, &["zero"]);
+    refuses("[camera]\nposition = [0, 9, 0]\nlook_at = [0, 0, 0]\n", 3, &["parallel"]);
+    for bad in ["0", "-1", "180", "179.9999999999", "inf", "nan", "1e-60"] {
+        refuses_after_camera(&format!("vfov = {bad}\n"), 1, &["vfov", bad]);
+    }
+}
+
+#[test]
+fn film_and_integrator_values() {
+    for bad in ["0", "-3", "65537", "9223372036854775807"] {
+        refuses_after_camera(&format!("[film]\nwidth = 3\nheight = {bad}\n"), 3, &["height", bad]);
+    }
+    refuses_after_camera("[film]\nwidth = 65536\nheight = 65536\n", 2, &["65536 x 65536"]);
+    refuses_after_camera("[integrator]\nmax_bounces = -1\n", 2, &["max_bounces"]);
+    refuses_after_camera("[integrator]\nmax_bounces = 4294967296\n", 2, &["max_bounces"]);
+    refuses_after_camera("[integrator]\nmax_depth = 0\n", 2, &["max_depth"]);
+    refuses_after_camera("[integrator]\nmax_depth = -inf\n", 2, &["max_depth"]);
+}
+
+#[test]
+fn material_values() {
+    let material = |kind: &str, line: &str| format!("[materials.a]\ntype = \"{kind}\"\n{line}\n");
+    for bad in ["-0.1", "1.1", "nan", "[0, 0, 2]", "[nan, 0, 0]"] {
+        refuses_after_camera(&material("diffuse", &format!("reflectance = {bad}")), 3, &["reflectance", bad, "[0, 1]"]);
+        refuses_after_camera(&material("conductor", &format!("f0 = {bad}")), 3, &["f0", "[0, 1]"]);
+    }
+    for bad in ["-1e-9", "1.0000001", "nan", "inf"] {
+        refuses_after_camera(&material("conductor", &format!("alpha = {bad}\nf0 = 1")), 3, &["alpha", bad]);
+    }
+    for bad in ["0", "-1.5", "inf", "nan", "1e-50"] {
+        refuses_after_camera(&material("dielectric", &format!("ior = {bad}")), 3, &["ior", bad]);
+    }
+    refuses_after_camera(&material("conductor", "eta = [0, 1, 1]\nk = 1"), 3, &["eta"]);
+    refuses_after_camera(&material("conductor", "eta = 1\nk = [1, -1, 1]"), 4, &["`k`"]);
+    refuses_after_camera(&material("dielectric", "ior = 1.5\nmasking = \"none\""), 4, &["none", "separable"]);
+    for bad in ["[1, -1, 1]", "[1e39, 0, 0]", "inf"] {
+        refuses_after_camera(&material("diffuse", &format!("reflectance = 0\nemission = {bad}")), 4, &["emission"]);
+        refuses_after_camera(&format!("[environment]\nradiance = {bad}\n"), 2, &["radiance"]);
+    }
+    refuses_after_camera("[materials.\"\"]\ntype = \"diffuse\"\nreflectance = 1\n", 1, &["name"]);
+}
+
+#[test]
+fn spheres_and_meshes() {
+    let wall = "[materials.wall]\ntype = \"diffuse\"\nreflectance = 1\n";
+    let sphere = |center: &str, radius: &str, material: &str| {
+        format!("{wall}[[sphere]]\ncenter = {center}\nradius = {radius}\nmaterial = \"{material}\"\n")
+    };
+    refuses_after_camera(&sphere("[0, 0, 0]", "1", "wal"), 7, &["wal"]);
+    for bad in ["0", "-1", "nan", "inf", "1e-60"] {
+        refuses_after_camera(&sphere("[0, 0, 0]", bad, "wall"), 6, &["radius", bad]);
+    }
+    refuses_after_camera(&sphere("[0, inf, 0]", "1", "wall"), 5, &["center"]);
+    refuses_after_camera(&sphere("[0, 3e38, 0]", "2e38", "wall"), 6, &["precision"]);
+    let mesh = |file: &str, rest: &str| format!("[[mesh]]\nfile = \"{file}\"\n{rest}\n");
+    refuses_after_camera(&mesh("none.obj", ""), 2, &["none.obj", "cannot be read"]);
+    refuses_after_camera(&mesh("b.txt", ""), 2, &["b.txt", ".obj"]);
+    refuses_after_camera(&mesh("", ""), 2, &[".obj"]);
+    let transform = |rows: &str| mesh("a.obj", &format!("transform = [{rows}]"));
+    refuses_after_camera(&transform("1,0,0,0, 0,1,0,0, 0,0,0,0, 0,0,0,1"), 3, &["singular"]);
+    refuses_after_camera(&transform("1,2,3,0, 4,5,6,0, 7,8,9,0, 0,0,0,1"), 3, &["singular"]);
+    refuses_after_camera(&transform("0,0,0,0, 0,0,0,0, 0,0,0,0, 0,0,0,1"), 3, &["singular"]);
+    refuses_after_camera(&transform("1,0,0,0, 0,1,0,0, 0,0,nan,0, 0,0,0,1"), 3, &["finite"]);
+    refuses_after_camera(&transform("1,0,0,0, 0,1,0,0, 0,0,1,0, 1,2,3,1"), 3, &["last row"]);
+    refuses_after_camera("[environment]\nfile = \"none.exr\"\n", 2, &["none.exr"]);
+    refuses_after_camera("[environment]\nfile = \"b.txt\"\n", 2, &["b.txt", ".exr"]);
+}
+
+#[test]
+fn an_error_inside_a_model_names_the_model() {
+    let files =
+        Files::new(&[("scene.toml", &format!("{CAMERA}[[mesh]]\nfile = \"bad.obj\"\n")), ("bad.obj", "v 0 0\n")]);
+    let error = files.error("scene.toml");
+    assert_eq!((error.file.clone(), error.line), (files.path("bad.obj"), Some(1)), "{error}");
+}
+
+#[test]
+fn files_of_no_known_kind() {
+    let files = Files::new(&[("scene.txt", CAMERA), ("latin.toml", "")]);
+    assert!(files.error("scene.txt").to_string().contains(".toml"));
+    assert!(files.error("none.toml").to_string().contains("cannot be read"));
+    assert!(files.error("none.obj").to_string().contains("cannot be read"));
+    assert!(files.error("").line.is_none());
+    std::fs::write(files.path("latin.toml"), b"[camera]\n# caf\xe9\n").expect("a file");
+    assert_eq!(files.error("latin.toml").line, Some(2));
+}
