@@ -4,6 +4,7 @@
 //! code; [`Recorder`] keeps every value with its sample, bounce, stage and lane, and can flip one bit of a stage to
 //! prove that `check` would notice.
 
+use crate::geometry::MISS;
 use crate::lane::{Bits, Mask, Real, Vec3};
 
 /// What a tapped value is.
@@ -113,7 +114,7 @@ pub struct Record {
 pub struct Recorder {
     /// Indexed by slot.
     pub records: Vec<Vec<Record>>,
-    /// Flips the lowest bit of this stage's values, at bounce 0 of every sample whose slot is divisible by 7.
+    /// Disturbs this stage's values, at bounce 0 of every sample whose slot is divisible by 7.
     pub fault: Option<Stage>,
 }
 
@@ -121,6 +122,17 @@ impl Recorder {
     /// A recorder for slots `0..slots`.
     pub fn new(slots: usize, fault: Option<Stage>) -> Self {
         Self { records: vec![Vec::new(); slots], fault }
+    }
+}
+
+/// Another value that the kernel can go on with: a truth value negated, another primitive of the scene, else the last
+/// bit flipped.
+fn disturbed(stage: Stage, bits: u32) -> u32 {
+    match stage {
+        Stage::Shadow => bits ^ 1f32.to_bits(),
+        Stage::HitPrimitive if bits == MISS => MISS,
+        Stage::HitPrimitive => bits.wrapping_sub(1),
+        _ => bits ^ 1,
     }
 }
 
@@ -132,8 +144,7 @@ impl Probe for Recorder {
             let bounce = lanes.bounce.lane(lane) as u32;
             let mut bits = value.lane(lane).to_bits();
             if self.fault == Some(stage) && bounce == 0 && slot.is_multiple_of(7) {
-                // A truth value needs more than its last bit changed.
-                bits = if stage == Stage::Shadow { bits ^ 1f32.to_bits() } else { bits ^ 1 };
+                bits = disturbed(stage, bits);
                 value.set_lane(lane, f32::from_bits(bits));
             }
             self.records[slot as usize].push(Record { bounce, stage, lane: lane as u32, bits });

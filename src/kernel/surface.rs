@@ -33,14 +33,13 @@ impl<R: Real> Surface<R> {
         }
         let on_triangle = active & !on_sphere;
         let triangle = world.triangles.fetch::<R>(hit.primitive, on_triangle);
-        let [material, light_row] = world.tags.fetch::<R>(hit.primitive, active);
         let mut surface = Surface {
             at: triangle_point(&triangle, hit.u, hit.v),
             ng: triangle.ng,
             ns: triangle.ng,
             material: MaterialAt::black(),
             on_sphere,
-            light_row,
+            light_row: R::zero(),
         };
         if world.plan.shading_normals {
             surface.interpolate_normal(world, hit, on_triangle);
@@ -49,7 +48,9 @@ impl<R: Real> Surface<R> {
             surface.place_on_sphere(world, ray, hit);
         }
         if world.plan.light_transport {
+            let [material, light_row] = world.tags.fetch::<R>(hit.primitive, active);
             surface.material = world.materials.fetch::<R>(material.to_int(), active);
+            surface.light_row = light_row;
         }
         surface
     }
