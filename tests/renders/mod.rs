@@ -3,7 +3,7 @@
 mod image;
 mod set;
 
-pub use image::{ImageMean, assert_image_mean, image_mean};
+pub use image::{assert_image_mean, image_mean};
 pub use set::Set;
 
 use octolux::film::Film;
