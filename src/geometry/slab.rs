@@ -4,7 +4,7 @@ use crate::lane::Real;
 
 /// How far a primitive's own box exceeds the primitive on each side: 2⁻¹⁹.
 ///
-/// It covers what the sheared vertex transform of [`triangle`](super::intersect_triangle) can move a vertex. With
+/// It covers what the sheared vertex transform of [`triangle`](super::pass_edges) can move a vertex. With
 /// coordinates below 2, |v − o| < 4 is rounded by 2⁻²³, so is S·(v − o)_z from S and from (v − o)_z (|S| ≤ 1), and the
 /// fused result, below 8, by 2⁻²²: together less than 2⁻²⁰. So a ray through the transformed triangle passes the true
 /// one within 2⁻²⁰, and the rest of the margin is left for the rounding of the bounds.
