@@ -3,6 +3,7 @@
 use super::tree::{Block, OneHit, OneRay};
 use crate::geometry::slab::{own_hi, own_lo, slab, sphere_hi, sphere_lo};
 use crate::geometry::{Edges, Hit, MISS, RaySetup, Vertices, intersect_sphere, own_box, pass_edges, plane_normal};
+use crate::lane::array::Each;
 use crate::lane::{Bits, Mask, Real};
 
 /// Eight triangles: coordinates by vertex and axis, so that a single ray's choice of axes is a choice of arrays.
@@ -41,7 +42,7 @@ impl TriangleBlock {
     /// Vertices from place `i` on, in the order of `axes`.
     #[inline(always)]
     fn load<E: Real>(&self, axes: [usize; 3], i: usize) -> Vertices<E> {
-        self.v.each_ref().map(|p| axes.map(|k| E::load(&p[k][i..])))
+        self.v.each_ref().each(|p| axes.each(|k| E::load(&p[k][i..])))
     }
 
     /// Candidates from place `i` on, and where the ray enters their own boxes.
@@ -53,8 +54,8 @@ impl TriangleBlock {
         let plane = |k: usize, upper: usize| {
             if upper != 0 { own_hi(v[0][k], v[1][k], v[2][k]) } else { own_lo(v[0][k], v[1][k], v[2][k]) }
         };
-        let near = [0, 1, 2].map(|k| plane(k, ray.negative[k]));
-        let far = [0, 1, 2].map(|k| plane(k, 1 - ray.negative[k]));
+        let near = [0, 1, 2].each(|k| plane(k, ray.negative[k]));
+        let far = [0, 1, 2].each(|k| plane(k, 1 - ray.negative[k]));
         let (t_near, t_far) = slab(near, far, ray.setup.origin, ray.setup.inverse);
         let t = t_near.max_or(t);
         Some((edges, mask & t_near.le(t_far) & t.lt(E::splat(ray.t_max)), t))
@@ -69,11 +70,11 @@ impl TriangleBlock {
         t_best: R,
         active: R::Mask,
     ) -> Option<(Edges<R>, R::Mask, R)> {
-        let world: Vertices<R> = self.v.each_ref().map(|p| p.each_ref().map(|x| R::splat(x[i])));
+        let world: Vertices<R> = self.v.each_ref().each(|p| p.each_ref().each(|x| R::splat(x[i])));
         let axis = |k: usize| setup.axes[k];
         let (one, two) = (R::Bits::splat(1), R::Bits::splat(2));
-        let masks = [0, 1, 2].map(|k| (axis(k).eq(one), axis(k).eq(two)));
-        let turned = world.map(|p| masks.map(|(is_y, is_z)| R::select(is_z, p[2], R::select(is_y, p[1], p[0]))));
+        let masks = [0, 1, 2].each(|k| (axis(k).eq(one), axis(k).eq(two)));
+        let turned = world.each(|p| masks.each(|(is_y, is_z)| R::select(is_z, p[2], R::select(is_y, p[1], p[0]))));
         let edges = pass_edges(&setup.shear, turned, active)?;
         let (mask, t) = edges.distance(setup, world[0], plane_normal(world), t_best)?;
         let (lo, hi) = own_box(world);
@@ -124,7 +125,7 @@ pub fn test_sphere<R: Real>(
     if mask.none() {
         return None;
     }
-    let (t_near, t_far) = setup.slab(center.map(|c| sphere_lo(c, radius)), center.map(|c| sphere_hi(c, radius)));
+    let (t_near, t_far) = setup.slab(center.each(|c| sphere_lo(c, radius)), center.each(|c| sphere_hi(c, radius)));
     Some((mask & t_near.le(t_far), t_near.max_or(t)))
 }
 
@@ -201,14 +202,14 @@ impl SphereBlock {
     }
     #[inline(always)]
     fn test_one<E: Real>(&self, ray: &OneRay<E>, i: usize, t_best: f32) -> Option<(E::Mask, E)> {
-        let center = self.center.each_ref().map(|c| E::load(&c[i..]));
+        let center = self.center.each_ref().each(|c| E::load(&c[i..]));
         let radius = E::load(&self.radius[i..]);
         let (mask, t) = test_sphere(&ray.setup, center, radius, E::splat(t_best), E::Mask::splat(true))?;
         Some((mask & t.lt(E::splat(ray.t_max)), t))
     }
     #[inline(always)]
     fn test_packet<R: Real>(&self, setup: &RaySetup<R>, i: usize, t_best: R, active: R::Mask) -> Option<(R::Mask, R)> {
-        let center = self.center.each_ref().map(|c| R::splat(c[i]));
+        let center = self.center.each_ref().each(|c| R::splat(c[i]));
         test_sphere(setup, center, R::splat(self.radius[i]), t_best, active)
     }
 }

@@ -3,6 +3,7 @@
 use super::block::{keep_sphere, keep_triangle, test_sphere};
 use super::{Accel, Brute, Mode};
 use crate::geometry::{Bounds, Edges, Hit, RaySetup, pass_edges, plane_normal};
+use crate::lane::array::Each;
 use crate::lane::{Mask, Real};
 
 /// A triangle for broadcasting: 96 bytes.
@@ -30,7 +31,7 @@ impl TriangleList {
     pub fn new(triangles: impl Iterator<Item = [[f32; 3]; 3]>) -> Self {
         let row = |v: [[f32; 3]; 3]| {
             let Bounds { lo, hi } = Bounds::of_triangle(v);
-            TriangleRow { vertices: v.map(|[x, y, z]| [x, y, z, 0.0]), lo, hi, normal: plane_normal(v) }
+            TriangleRow { vertices: v.each(|[x, y, z]| [x, y, z, 0.0]), lo, hi, normal: plane_normal(v) }
         };
         Self(triangles.map(row).collect())
     }
@@ -51,11 +52,11 @@ impl SphereList {
 impl TriangleRow {
     #[inline(always)]
     fn test<R: Real>(&self, setup: &RaySetup<R>, t_best: R, active: R::Mask) -> Option<(Edges<R>, R::Mask, R)> {
-        let turned = self.vertices.each_ref().map(|p| setup.axes.map(|k| R::lookup4(p, k)));
+        let turned = self.vertices.each_ref().each(|p| setup.axes.each(|k| R::lookup4(p, k)));
         let edges = pass_edges(&setup.shear, turned, active)?;
-        let [x, y, z, _] = self.vertices[0].map(R::splat);
-        let (mask, t) = edges.distance(setup, [x, y, z], self.normal.map(R::splat), t_best)?;
-        let (t_near, t_far) = setup.slab(self.lo.map(R::splat), self.hi.map(R::splat));
+        let [x, y, z, _] = self.vertices[0].each(R::splat);
+        let (mask, t) = edges.distance(setup, [x, y, z], self.normal.each(R::splat), t_best)?;
+        let (t_near, t_far) = setup.slab(self.lo.each(R::splat), self.hi.each(R::splat));
         Some((edges, mask & t_near.le(t_far), t_near.max_or(t)))
     }
 }
@@ -67,7 +68,7 @@ fn test_listed<R: Real>(
     t_best: R,
     active: R::Mask,
 ) -> Option<(R::Mask, R)> {
-    test_sphere(setup, sphere.0.map(R::splat), R::splat(sphere.1), t_best, active)
+    test_sphere(setup, sphere.0.each(R::splat), R::splat(sphere.1), t_best, active)
 }
 
 impl Mode for Brute {

@@ -3,6 +3,7 @@
 
 use super::Ray;
 use super::slab::{own_hi, own_lo, slab};
+use crate::lane::array::Each;
 use crate::lane::{Bits, Mask, Real, Vec3};
 
 /// What the tests need of a ray, computed once per ray.
@@ -36,7 +37,7 @@ impl<R: Real> RaySetup<R> {
     pub fn new(ray: &Ray<R>) -> Self {
         let origin = [ray.origin.x, ray.origin.y, ray.origin.z];
         let direction = [ray.direction.x, ray.direction.y, ray.direction.z];
-        let length = direction.map(R::abs);
+        let length = direction.each(R::abs);
         let y_longer = length[1].gt(length[0]);
         let z_longest = length[2].gt(length[1].max_or(length[0]));
         let axis = R::Bits::splat;
@@ -47,8 +48,8 @@ impl<R: Real> RaySetup<R> {
             let at = |k: usize| v[(k + r) % 3];
             R::select(z_longest, at(2), R::select(y_longer, at(1), at(0)))
         };
-        let d = [1, 2, 0].map(|r| rotated_real(direction, r));
-        let o = [1, 2, 0].map(|r| rotated_real(origin, r));
+        let d = [1, 2, 0].each(|r| rotated_real(direction, r));
+        let o = [1, 2, 0].each(|r| rotated_real(origin, r));
         let k = [
             rotated(axis(1), axis(2), axis(0)),
             rotated(axis(2), axis(0), axis(1)),
@@ -60,8 +61,8 @@ impl<R: Real> RaySetup<R> {
         Self {
             origin,
             direction,
-            inverse: direction.map(R::recip),
-            negative: direction.map(|d| sign_bit(d)),
+            inverse: direction.each(R::recip),
+            negative: direction.each(|d| sign_bit(d)),
             axes: [R::Bits::select(swap, k[1], k[0]), R::Bits::select(swap, k[0], k[1]), k[2]],
             shear: Shear { origin: o, scale: [d[0] / d[2], d[1] / d[2], d[2].recip()] },
         }
@@ -69,7 +70,7 @@ impl<R: Real> RaySetup<R> {
     /// Bounds in the order (near, far) that this ray meets them.
     #[inline(always)]
     pub fn near_far(&self, lo: [R; 3], hi: [R; 3]) -> ([R; 3], [R; 3]) {
-        let pick = |a: [R; 3], b: [R; 3]| core::array::from_fn(|k| R::select(self.negative[k], a[k], b[k]));
+        let pick = |a: [R; 3], b: [R; 3]| crate::lane::array::from_fn(|k| R::select(self.negative[k], a[k], b[k]));
         (pick(hi, lo), pick(lo, hi))
     }
     /// [`slab`] of a box given per lane.
@@ -140,9 +141,9 @@ impl<R: Real> Edges<R> {
     #[inline(always)]
     pub fn distance(&self, setup: &RaySetup<R>, v0: [R; 3], normal: [R; 3], t_best: R) -> Option<(R::Mask, R)> {
         let zero = R::zero();
-        let to_plane = dot(normal, core::array::from_fn(|k| v0[k] - setup.origin[k]));
+        let to_plane = dot(normal, crate::lane::array::from_fn(|k| v0[k] - setup.origin[k]));
         let plane = to_plane / dot(normal, setup.direction);
-        let vertices = self.depths.map(|z| setup.shear.scale[2] * z);
+        let vertices = self.depths.each(|z| setup.shear.scale[2] * z);
         let first = vertices[0].min_or(vertices[1]).min_or(vertices[2]);
         let last = vertices[0].max_or(vertices[1]).max_or(vertices[2]);
         let ahead = first.gt(zero);
@@ -171,7 +172,7 @@ pub fn plane_normal<R: Real>(v: Vertices<R>) -> [R; 3] {
 #[inline(always)]
 pub fn own_box<R: Real>(v: Vertices<R>) -> ([R; 3], [R; 3]) {
     (
-        core::array::from_fn(|k| own_lo(v[0][k], v[1][k], v[2][k])),
-        core::array::from_fn(|k| own_hi(v[0][k], v[1][k], v[2][k])),
+        crate::lane::array::from_fn(|k| own_lo(v[0][k], v[1][k], v[2][k])),
+        crate::lane::array::from_fn(|k| own_hi(v[0][k], v[1][k], v[2][k])),
     )
 }

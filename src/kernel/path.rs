@@ -280,11 +280,7 @@ fn scatter<R: Real, S: ShadingKind, P: Probe>(
     paths.bsdf_pdf = R::select(sample.delta, R::splat(f32::INFINITY), pdf);
     paths.eta_squared = paths.eta_squared * sample.eta * sample.eta;
     paths.alive = goes_on & paths.beta.max_component().gt(R::zero());
-    paths.ray = Ray {
-        origin: surface.leave(direction),
-        direction,
-        t_max: R::splat(f32::INFINITY),
-    };
+    paths.ray = Ray { origin: surface.leave(direction), direction, t_max: R::splat(f32::INFINITY) };
 }
 
 /// Russian roulette (Arvo & Kirk 1990): from the fifth scattering event on a path survives with probability
