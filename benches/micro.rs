@@ -128,7 +128,8 @@ fn traversal<R: Real>(c: &mut Criterion) {
 fn whole_paths(c: &mut Criterion) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell/scene.toml");
     let scene = scene::load(&path).expect("the repository's own Cornell box");
-    let world = World::new(&scene, Plan::new(&scene, Force::default(), false), Prepare::default()).expect("it has lights");
+    let world =
+        World::new(&scene, Plan::new(&scene, Force::default(), false), Prepare::default()).expect("it has lights");
     let pool = render::pinned_thread_pool(2).expect("two threads");
     let mut group = c.benchmark_group("whole paths, Cornell box, 2 threads");
     let samples = 4;

@@ -80,22 +80,27 @@ impl Plan {
 
         let small = primitives <= BRUTE_FORCE_LIMIT;
         let geometry =
-            force
-                .geometry
-                .unwrap_or(if small && !force.general { GeometryMode::Brute } else { GeometryMode::Tree });
+            force.geometry.unwrap_or(if small && !force.general { GeometryMode::Brute } else { GeometryMode::Tree });
         let order = if small { "at most" } else { "more than" };
         decide("tree", geometry == GeometryMode::Tree, format!("{primitives} primitives, {order} {BRUTE_FORCE_LIMIT}"));
 
         let used = used_materials(scene);
         let not_lambert = used.iter().filter(|&&m| !matches!(scene.materials[m].bsdf, Bsdf::Diffuse { .. })).count();
         let general = light_transport && (not_lambert > 0 || force.general);
-        decide("conductor and dielectric", general, format!("{not_lambert} of {} used materials scatter so", used.len()));
+        decide(
+            "conductor and dielectric",
+            general,
+            format!("{not_lambert} of {} used materials scatter so", used.len()),
+        );
 
         let sphere_count = scene.spheres.len();
         let spheres = decide("spheres", sphere_count > 0, format!("{sphere_count} spheres"));
         let smooth = scene.mesh.normal_indices.iter().filter(|n| n[0] != NO_NORMAL).count();
-        let shading_normals =
-            decide("shading normals", smooth > 0, format!("{smooth} of {} triangles are smooth", scene.mesh.triangles.len()));
+        let shading_normals = decide(
+            "shading normals",
+            smooth > 0,
+            format!("{smooth} of {} triangles are smooth", scene.mesh.triangles.len()),
+        );
         let (lit, why) = match &scene.environment {
             None => (false, "none in the scene".to_string()),
             Some(Environment::Constant(c)) => (c.iter().any(|&x| x > 0.0), format!("constant {c:?}")),
@@ -103,7 +108,8 @@ impl Plan {
         };
         let environment = decide("environment", lit && light_transport, why);
         let emitters = used.iter().filter(|&&m| scene.materials[m].emission.iter().any(|&e| e > 0.0)).count();
-        let area_lights = decide("area lights", emitters > 0 && light_transport, format!("{emitters} used materials emit"));
+        let area_lights =
+            decide("area lights", emitters > 0 && light_transport, format!("{emitters} used materials emit"));
         decide("light transport", light_transport, format!("integrator {:?}", scene.integrator.kind).to_lowercase());
 
         let shading = if general { Shading::General } else { Shading::Lambert };
@@ -112,9 +118,10 @@ impl Plan {
 
     /// The plan as a person reads it, one line a decision.
     pub fn explain(&self) -> String {
-        let lines = self.decisions.iter().map(|d| {
-            format!("  {:8} {:26} {}\n", if d.kept { "kept" } else { "left out" }, d.what, d.why)
-        });
+        let lines = self
+            .decisions
+            .iter()
+            .map(|d| format!("  {:8} {:26} {}\n", if d.kept { "kept" } else { "left out" }, d.what, d.why));
         format!("plan: geometry {:?}, shading {:?}\n{}", self.geometry, self.shading, lines.collect::<String>())
     }
 }

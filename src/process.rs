@@ -1,6 +1,7 @@
 //! What the operating system knows of this process.
 
 use nix::sched::{CpuSet, sched_getaffinity, sched_setaffinity};
+use nix::time::{ClockId, clock_gettime};
 use nix::unistd::Pid;
 use std::sync::OnceLock;
 use std::time::Instant;
@@ -42,4 +43,9 @@ pub fn pin_to_core(core: usize) {
     if set.set(core).is_ok() {
         let _ = sched_setaffinity(Pid::from_raw(0), &set);
     }
+}
+
+/// Processor time that the calling thread has used, in seconds; 0 where the system does not tell.
+pub fn thread_cpu_seconds() -> f64 {
+    clock_gettime(ClockId::CLOCK_THREAD_CPUTIME_ID).map_or(0.0, |t| t.tv_sec() as f64 + 1e-9 * t.tv_nsec() as f64)
 }

@@ -2,7 +2,8 @@
 
 use super::tree::{Block, OneHit, OneRay};
 use crate::geometry::slab::{own_hi, own_lo, slab, sphere_hi, sphere_lo};
-use crate::geometry::{Hit, MISS, RaySetup, TriangleHit, Vertices, intersect_sphere, intersect_triangle};
+use crate::geometry::{Edges, Hit, MISS, RaySetup, Vertices, intersect_sphere, own_box, pass_edges, plane_normal};
+use crate::lane::array::Each;
 use crate::lane::{Bits, Mask, Real};
 
 /// Eight triangles: coordinates by vertex and axis, so that a single ray's choice of axes is a choice of arrays.
@@ -41,24 +42,23 @@ impl TriangleBlock {
     /// Vertices from place `i` on, in the order of `axes`.
     #[inline(always)]
     fn load<E: Real>(&self, axes: [usize; 3], i: usize) -> Vertices<E> {
-        self.v.each_ref().map(|p| axes.map(|k| E::load(&p[k][i..])))
+        self.v.each_ref().each(|p| axes.each(|k| E::load(&p[k][i..])))
     }
 
     /// Candidates from place `i` on, and where the ray enters their own boxes.
     #[inline(always)]
-    fn test_one<E: Real>(&self, ray: &OneRay<E>, i: usize, t_best: f32) -> Option<(TriangleHit<E>, E::Mask, E)> {
-        let found =
-            intersect_triangle(&ray.setup.shear, self.load(ray.axes, i), E::splat(t_best), E::Mask::splat(true))?;
+    fn test_one<E: Real>(&self, ray: &OneRay<E>, i: usize, t_best: f32) -> Option<(Edges<E>, E::Mask, E)> {
+        let edges = pass_edges(&ray.setup.shear, self.load(ray.axes, i), E::Mask::splat(true))?;
         let v: Vertices<E> = self.load([0, 1, 2], i);
+        let (mask, t) = edges.distance(&ray.setup, v[0], plane_normal(v), E::splat(t_best))?;
         let plane = |k: usize, upper: usize| {
             if upper != 0 { own_hi(v[0][k], v[1][k], v[2][k]) } else { own_lo(v[0][k], v[1][k], v[2][k]) }
         };
-        let near = [0, 1, 2].map(|k| plane(k, ray.negative[k]));
-        let far = [0, 1, 2].map(|k| plane(k, 1 - ray.negative[k]));
+        let near = [0, 1, 2].each(|k| plane(k, ray.negative[k]));
+        let far = [0, 1, 2].each(|k| plane(k, 1 - ray.negative[k]));
         let (t_near, t_far) = slab(near, far, ray.setup.origin, ray.setup.inverse);
-        let t = t_near.max_or(found.t);
-        let mask = found.mask & t_near.le(t_far) & t.lt(E::splat(ray.t_max));
-        Some((found, mask, t))
+        let t = t_near.max_or(t);
+        Some((edges, mask & t_near.le(t_far) & t.lt(E::splat(ray.t_max)), t))
     }
 
     /// Triangle `i` against a packet: candidates and their final distances.
@@ -69,18 +69,17 @@ impl TriangleBlock {
         i: usize,
         t_best: R,
         active: R::Mask,
-    ) -> Option<(TriangleHit<R>, R)> {
-        let world: Vertices<R> = self.v.each_ref().map(|p| p.each_ref().map(|x| R::splat(x[i])));
+    ) -> Option<(Edges<R>, R::Mask, R)> {
+        let world: Vertices<R> = self.v.each_ref().each(|p| p.each_ref().each(|x| R::splat(x[i])));
         let axis = |k: usize| setup.axes[k];
         let (one, two) = (R::Bits::splat(1), R::Bits::splat(2));
-        let masks = [0, 1, 2].map(|k| (axis(k).eq(one), axis(k).eq(two)));
-        let turned = world.map(|p| masks.map(|(is_y, is_z)| R::select(is_z, p[2], R::select(is_y, p[1], p[0]))));
-        let mut found = intersect_triangle(&setup.shear, turned, t_best, active)?;
-        let (lo, hi) = crate::geometry::own_box(world);
+        let masks = [0, 1, 2].each(|k| (axis(k).eq(one), axis(k).eq(two)));
+        let turned = world.each(|p| masks.each(|(is_y, is_z)| R::select(is_z, p[2], R::select(is_y, p[1], p[0]))));
+        let edges = pass_edges(&setup.shear, turned, active)?;
+        let (mask, t) = edges.distance(setup, world[0], plane_normal(world), t_best)?;
+        let (lo, hi) = own_box(world);
         let (t_near, t_far) = setup.slab(lo, hi);
-        found.mask = found.mask & t_near.le(t_far);
-        let t = t_near.max_or(found.t);
-        Some((found, t))
+        Some((edges, mask & t_near.le(t_far), t_near.max_or(t)))
     }
 }
 
@@ -95,11 +94,11 @@ fn better<R: Real>(t: R, primitive: R::Bits, hit: &Hit<R>) -> R::Mask {
 
 /// Takes the hits of `mask` that beat the best so far.
 #[inline(always)]
-pub fn keep_triangle<R: Real>(found: &TriangleHit<R>, t: R, primitive: u32, t_max: R, hit: &mut Hit<R>) {
+pub fn keep_triangle<R: Real>((edges, mask, t): (Edges<R>, R::Mask, R), primitive: u32, t_max: R, hit: &mut Hit<R>) {
     let primitive = R::Bits::splat(primitive);
-    let mask = found.mask & t.lt(t_max) & better(t, primitive, hit);
+    let mask = mask & t.lt(t_max) & better(t, primitive, hit);
     if mask.any() {
-        let (u, v) = found.weights();
+        let (u, v) = edges.weights();
         hit.replace(mask, Hit { t, primitive, u, v });
     }
 }
@@ -126,7 +125,7 @@ pub fn test_sphere<R: Real>(
     if mask.none() {
         return None;
     }
-    let (t_near, t_far) = setup.slab(center.map(|c| sphere_lo(c, radius)), center.map(|c| sphere_hi(c, radius)));
+    let (t_near, t_far) = setup.slab(center.each(|c| sphere_lo(c, radius)), center.each(|c| sphere_hi(c, radius)));
     Some((mask & t_near.le(t_far), t_near.max_or(t)))
 }
 
@@ -153,9 +152,9 @@ impl Block for TriangleBlock {
             if E::WIDTH == 1 && self.id[i] == MISS {
                 break;
             }
-            let Some((found, mask, t)) = self.test_one(ray, i, best.t) else { continue };
+            let Some((edges, mask, t)) = self.test_one(ray, i, best.t) else { continue };
             if let Some(lane) = keep_one(mask.bits(), t, &self.id[i..], best) {
-                let (u, v) = found.weights();
+                let (u, v) = edges.weights();
                 (best.u, best.v) = (u.lane(lane), v.lane(lane));
             }
         }
@@ -167,8 +166,8 @@ impl Block for TriangleBlock {
     #[inline(always)]
     fn closest_packet<R: Real>(&self, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
         for (i, id) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
-            if let Some((found, t)) = self.test_packet(setup, i, hit.t, active) {
-                keep_triangle(&found, t, *id, t_max, hit);
+            if let Some(found) = self.test_packet(setup, i, hit.t, active) {
+                keep_triangle(found, *id, t_max, hit);
             }
         }
     }
@@ -176,8 +175,8 @@ impl Block for TriangleBlock {
     fn any_packet<R: Real>(&self, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask {
         let mut open = active;
         for (i, _) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
-            if let Some((found, t)) = self.test_packet(setup, i, t_max, open) {
-                open = open & !(found.mask & t.lt(t_max));
+            if let Some((_, mask, t)) = self.test_packet(setup, i, t_max, open) {
+                open = open & !(mask & t.lt(t_max));
                 if open.none() {
                     break;
                 }
@@ -203,14 +202,14 @@ impl SphereBlock {
     }
     #[inline(always)]
     fn test_one<E: Real>(&self, ray: &OneRay<E>, i: usize, t_best: f32) -> Option<(E::Mask, E)> {
-        let center = self.center.each_ref().map(|c| E::load(&c[i..]));
+        let center = self.center.each_ref().each(|c| E::load(&c[i..]));
         let radius = E::load(&self.radius[i..]);
         let (mask, t) = test_sphere(&ray.setup, center, radius, E::splat(t_best), E::Mask::splat(true))?;
         Some((mask & t.lt(E::splat(ray.t_max)), t))
     }
     #[inline(always)]
     fn test_packet<R: Real>(&self, setup: &RaySetup<R>, i: usize, t_best: R, active: R::Mask) -> Option<(R::Mask, R)> {
-        let center = self.center.each_ref().map(|c| R::splat(c[i]));
+        let center = self.center.each_ref().each(|c| R::splat(c[i]));
         test_sphere(setup, center, R::splat(self.radius[i]), t_best, active)
     }
 }

@@ -4,7 +4,7 @@
 use super::node::{Child, Node};
 use super::tree::{MAX_DEPTH, Tree};
 use crate::geometry::Bounds;
-use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::{Bvh2, node::Bvh2Node};
 
 /// Cost of visiting a node and a block of eight, per half area; only the ratio matters. Found by measuring.
 const NODE_COST: f32 = 1.0;
@@ -26,6 +26,9 @@ struct Subtree {
 
 struct Collapse<'a, F> {
     tree: &'a Bvh2,
+    /// Own boxes by primitive.
+    boxes: &'a [Bounds],
+    /// By node of `tree`.
     bounds: Vec<Bounds>,
     /// By [`slot`].
     subtrees: Vec<Subtree>,
@@ -38,9 +41,10 @@ enum Pending {
     Primitives(Vec<u32>),
 }
 
-/// Makes the wide tree of `tree`, which has one primitive a leaf and at least two leaves.
-pub fn collapse<B, F: FnMut(&[u32]) -> B>(tree: Bvh2, block: F) -> Tree<B> {
-    let mut state = Collapse { tree: &tree, bounds: Vec::new(), subtrees: Vec::new(), block };
+/// Makes the wide tree of `tree`, which has one primitive a leaf and more than eight leaves. The boxes are rebuilt from
+/// `boxes`, those of the primitives.
+pub fn collapse<B, F: FnMut(&[u32]) -> B>(tree: &Bvh2, boxes: &[Bounds], block: F) -> Tree<B> {
+    let mut state = Collapse { tree, boxes, bounds: Vec::new(), subtrees: Vec::new(), block };
     state.costs();
     state.emit()
 }
@@ -53,6 +57,10 @@ impl<B, F: FnMut(&[u32]) -> B> Collapse<'_, F> {
     /// Children come in pairs from 1 on, so (first child − 1)/2 numbers inner nodes without gaps.
     fn slot(&self, node: usize) -> usize {
         (self.tree.nodes[node].first_index as usize - 1) / 2
+    }
+    /// The primitive of a leaf.
+    fn primitive(&self, leaf: &Bvh2Node) -> usize {
+        self.tree.primitive_indices[leaf.first_index as usize] as usize
     }
     fn is_leaf(&self, node: usize) -> bool {
         self.tree.nodes[node].is_leaf()
@@ -86,11 +94,12 @@ impl<B, F: FnMut(&[u32]) -> B> Collapse<'_, F> {
                 stack.extend(self.children(node));
             }
         }
-        self.bounds = nodes.iter().map(|n| Bounds { lo: n.aabb().min.into(), hi: n.aabb().max.into() }).collect();
+        let own = |n: &Bvh2Node| if n.is_leaf() { self.boxes[self.primitive(n)] } else { Bounds::EMPTY };
+        self.bounds = nodes.iter().map(own).collect();
         self.subtrees = vec![Subtree { cost: [0.0; 7], count: 0 }; nodes.len() / 2];
         for node in order.into_iter().rev() {
             let [l, r] = self.children(node);
-            // Anew, as exact unions: the proof in `geometry` leans on it.
+            // Exact unions: the proof in `geometry` leans on it.
             self.bounds[node] = self.bounds[l].union(&self.bounds[r]);
             let area = self.bounds[node].half_area();
             let count = (self.count(l) + self.count(r)).min(255);
@@ -128,7 +137,7 @@ impl<B, F: FnMut(&[u32]) -> B> Collapse<'_, F> {
         let mut stack = vec![node];
         while let Some(node) = stack.pop() {
             if self.is_leaf(node) {
-                out.push(self.tree.primitive_indices[self.tree.nodes[node].first_index as usize]);
+                out.push(self.primitive(&self.tree.nodes[node]) as u32);
             } else {
                 let [l, r] = self.children(node);
                 stack.extend([r, l]);
@@ -140,7 +149,6 @@ impl<B, F: FnMut(&[u32]) -> B> Collapse<'_, F> {
     /// Nodes and blocks depth first, so that a way down stays close in memory.
     fn emit(mut self) -> Tree<B> {
         let mut out = Tree { root: Child::node(0), ..Tree::default() };
-        let leaf_bounds = self.leaf_bounds();
         // (what, nodes above it, node and slot that refer to it)
         let mut stack = vec![(Pending::Subtree(0), 0, None::<(usize, usize)>)];
         while let Some((pending, above, parent)) = stack.pop() {
@@ -151,8 +159,7 @@ impl<B, F: FnMut(&[u32]) -> B> Collapse<'_, F> {
                 }
                 None => {
                     let parts = self.parts(pending, above);
-                    let bounds: Vec<_> =
-                        parts.iter().map(|part| (Child(0), self.part_bounds(part, &leaf_bounds))).collect();
+                    let bounds: Vec<_> = parts.iter().map(|part| (Child(0), self.part_bounds(part))).collect();
                     let index = out.nodes.len();
                     out.nodes.push(Node::new(&bounds));
                     out.depth = out.depth.max(above + 1);
@@ -194,21 +201,11 @@ impl<B, F: FnMut(&[u32]) -> B> Collapse<'_, F> {
         }
     }
 
-    fn part_bounds(&self, part: &Pending, leaf_bounds: &[Bounds]) -> Bounds {
+    fn part_bounds(&self, part: &Pending) -> Bounds {
         match part {
             Pending::Subtree(node) => self.bounds[*node],
-            Pending::Primitives(ids) => ids.iter().fold(Bounds::EMPTY, |all, id| all.union(&leaf_bounds[*id as usize])),
+            Pending::Primitives(ids) => ids.iter().fold(Bounds::EMPTY, |all, id| all.union(&self.boxes[*id as usize])),
         }
-    }
-    /// Own boxes by primitive.
-    fn leaf_bounds(&self) -> Vec<Bounds> {
-        let mut out = vec![Bounds::EMPTY; self.tree.primitive_indices.len()];
-        for (node, bounds) in self.tree.nodes.iter().zip(&self.bounds) {
-            if node.is_leaf() {
-                out[self.tree.primitive_indices[node.first_index as usize] as usize] = *bounds;
-            }
-        }
-        out
     }
 }
 

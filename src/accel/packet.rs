@@ -5,6 +5,7 @@ use super::tree::{Block, STACK, Tree};
 use super::{Accel, Mode, Packet, Single};
 use crate::geometry::slab::{FAR_PAD, slab};
 use crate::geometry::{Hit, RaySetup};
+use crate::lane::array::Each;
 use crate::lane::{Bits, Mask, Real};
 
 /// Bounds of what the rays of a packet do, for testing eight boxes against all of them at once.
@@ -26,26 +27,27 @@ impl<E: Real> Interval<E> {
     #[inline(always)]
     fn new<R: Real>(setup: &RaySetup<R>, active: R::Mask) -> Option<Self> {
         let all = active.bits();
-        let negative = setup.negative.map(|n| (n & active).bits());
+        let negative = setup.negative.each(|n| (n & active).bits());
         if negative.iter().any(|n| *n != 0 && *n != all) {
             return None;
         }
         let infinity = R::splat(f32::INFINITY);
         let lowest = |x: R| R::select(active, x, infinity).lowest();
         let highest = |x: R| R::select(active, x, -infinity).highest();
-        let (lo, hi) = (setup.inverse.map(lowest), setup.inverse.map(highest));
+        let (lo, hi) = (setup.inverse.each(lowest), setup.inverse.each(highest));
         if lo.iter().chain(&hi).any(|x| !x.is_finite()) {
             return None;
         }
-        let negative = negative.map(|n| usize::from(n != 0));
-        let (o_lo, o_hi) = (setup.origin.map(lowest), setup.origin.map(highest));
-        let pick =
-            |a: [f32; 3], b: [f32; 3]| core::array::from_fn(|k| E::splat(if negative[k] != 0 { b[k] } else { a[k] }));
+        let negative = negative.each(|n| usize::from(n != 0));
+        let (o_lo, o_hi) = (setup.origin.each(lowest), setup.origin.each(highest));
+        let pick = |a: [f32; 3], b: [f32; 3]| {
+            crate::lane::array::from_fn(|k| E::splat(if negative[k] != 0 { b[k] } else { a[k] }))
+        };
         Some(Self {
             near_origin: pick(o_hi, o_lo),
             far_origin: pick(o_lo, o_hi),
-            lowest: lo.map(E::splat),
-            highest: hi.map(E::splat),
+            lowest: lo.each(E::splat),
+            highest: hi.each(E::splat),
             negative,
         })
     }
@@ -132,12 +134,12 @@ fn walk<B: Block, R: Real>(
         stack.len = len;
         let (node, slot) = (stack.slot[len] as usize / 8, stack.slot[len] as usize % 8);
         let node = &tree.nodes[node];
-        let lo = [0, 1, 2].map(|k| R::splat(node.planes[2 * k][slot]));
-        let hi = [0, 1, 2].map(|k| R::splat(node.planes[2 * k + 1][slot]));
+        let lo = [0, 1, 2].each(|k| R::splat(node.planes[2 * k][slot]));
+        let hi = [0, 1, 2].each(|k| R::splat(node.planes[2 * k + 1][slot]));
         let (t_near, t_far) = match &interval {
             Some(interval) => {
                 let side =
-                    |far: usize| [0, 1, 2].map(|k| R::splat(node.planes[2 * k + (interval.negative[k] ^ far)][slot]));
+                    |far: usize| [0, 1, 2].each(|k| R::splat(node.planes[2 * k + (interval.negative[k] ^ far)][slot]));
                 slab(side(0), side(1), setup.origin, setup.inverse)
             }
             None => setup.slab(lo, hi),

@@ -5,6 +5,7 @@ use super::tree::{Block, OneHit, OneRay, STACK, Tree};
 use super::{Accel, Mode, Single};
 use crate::geometry::slab::slab;
 use crate::geometry::{Hit, MISS, RaySetup};
+use crate::lane::array::Each;
 use crate::lane::{Bits, Mask, Real};
 
 /// Children still to visit, with where the ray enters them.
@@ -58,8 +59,8 @@ impl Stack {
 #[inline(always)]
 fn enter<E: Real>(node: &Node, ray: &OneRay<E>, slot: usize) -> (E, E) {
     let plane = |k: usize, upper: usize| E::load(&node.planes[2 * k + upper][slot..]);
-    let near = [0, 1, 2].map(|k| plane(k, ray.negative[k]));
-    let far = [0, 1, 2].map(|k| plane(k, 1 - ray.negative[k]));
+    let near = [0, 1, 2].each(|k| plane(k, ray.negative[k]));
+    let far = [0, 1, 2].each(|k| plane(k, 1 - ray.negative[k]));
     slab(near, far, ray.setup.origin, ray.setup.inverse)
 }
 
@@ -123,31 +124,31 @@ impl Lanes {
             out
         };
         Self {
-            origin: setup.origin.map(spread),
-            direction: setup.direction.map(spread),
-            inverse: setup.inverse.map(spread),
-            negative: setup.negative.map(Mask::bits),
-            axes: setup.axes.map(spread_bits),
-            shear_origin: setup.shear.origin.map(spread),
-            shear_scale: setup.shear.scale.map(spread),
+            origin: setup.origin.each(spread),
+            direction: setup.direction.each(spread),
+            inverse: setup.inverse.each(spread),
+            negative: setup.negative.each(Mask::bits),
+            axes: setup.axes.each(spread_bits),
+            shear_origin: setup.shear.origin.each(spread),
+            shear_scale: setup.shear.scale.each(spread),
             t_max: spread(t_max),
         }
     }
     #[inline(always)]
     pub fn ray<E: Real>(&self, i: usize) -> OneRay<E> {
-        let splat = |v: &[[f32; 16]; 3]| v.each_ref().map(|x| E::splat(x[i]));
-        let axes = self.axes.map(|k| k[i]);
-        let negative = self.negative.map(|bits| (bits >> i & 1) as usize);
+        let splat = |v: &[[f32; 16]; 3]| v.each_ref().each(|x| E::splat(x[i]));
+        let axes = self.axes.each(|k| k[i]);
+        let negative = self.negative.each(|bits| (bits >> i & 1) as usize);
         OneRay {
             setup: RaySetup {
                 origin: splat(&self.origin),
                 direction: splat(&self.direction),
                 inverse: splat(&self.inverse),
-                negative: negative.map(|n| E::Mask::splat(n != 0)),
-                axes: axes.map(E::Bits::splat),
+                negative: negative.each(|n| E::Mask::splat(n != 0)),
+                axes: axes.each(E::Bits::splat),
                 shear: crate::geometry::Shear { origin: splat(&self.shear_origin), scale: splat(&self.shear_scale) },
             },
-            axes: axes.map(|k| k as usize % 3),
+            axes: axes.each(|k| k as usize % 3),
             negative,
             t_max: self.t_max[i],
         }

@@ -74,7 +74,7 @@ impl<B: Block> Tree<B> {
             let all: Vec<u32> = (0..boxes.len() as u32).collect();
             return Self { root: Child::leaf(0), blocks: vec![block(&all)], ..Self::default() };
         }
-        collapse(build::binary_tree(boxes, preset), block)
+        collapse(&build::binary_tree(boxes, preset), boxes, block)
     }
     pub fn node_bytes(&self) -> usize {
         core::mem::size_of_val(self.nodes.as_slice())

@@ -2,11 +2,11 @@
 
 use super::CliError;
 use super::scene_args::{SceneArgs, parse_lanes};
-use crate::report::bench_rays::{BenchRaysArgs, bench_rays};
+use crate::film::beside::write_beside;
 use crate::kernel::{Width, World};
 use crate::plan::Force;
 use crate::report::bench::{SceneBench, bench_scene};
-use crate::film::beside::write_beside;
+use crate::report::bench_rays::{BenchRaysArgs, bench_rays};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -58,7 +58,13 @@ pub fn run(args: &BenchArgs) -> Result<bool, CliError> {
     };
     let (scene, world, _): (_, World, _) = scene_args.world(Force { general: args.general, geometry: None }, false)?;
     let lanes = if args.lanes.is_empty() { vec![Width::native()] } else { args.lanes.clone() };
-    let bench = SceneBench { name: scene.name, lanes, threads: args.threads.clone(), windows: args.windows, seconds: args.seconds };
+    let bench = SceneBench {
+        name: scene.name,
+        lanes,
+        threads: args.threads.clone(),
+        windows: args.windows,
+        seconds: args.seconds,
+    };
     let report = bench_scene(&world, &bench)?;
     print_report(&report, args.json.as_deref())?;
     Ok(true)

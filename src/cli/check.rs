@@ -75,7 +75,10 @@ pub fn run(args: &CheckArgs) -> Result<bool, CliError> {
 
 fn print_report(report: &Report, args: &CheckArgs) {
     for (name, stages) in &report.stages {
-        println!("{name}: {} values of {} samples, {} samples differ", stages.values, stages.samples, stages.differing_samples);
+        println!(
+            "{name}: {} values of {} samples, {} samples differ",
+            stages.values, stages.samples, stages.differing_samples
+        );
         if let Some(difference) = &stages.first {
             print_difference(difference, report, args);
         }
@@ -88,7 +91,10 @@ fn print_report(report: &Report, args: &CheckArgs) {
                 d.x, d.y, d.channel, d.found_bits, d.expected_bits
             ),
         };
-        println!("image, {} kernel: {} lanes, {} threads, tile {}: {verdict}", case.world, case.lanes, case.threads, case.tile);
+        println!(
+            "image, {} kernel: {} lanes, {} threads, tile {}: {verdict}",
+            case.world, case.lanes, case.threads, case.tile
+        );
     }
     println!("{}", if report.equal { "all bits equal" } else { "bits differ" });
 }
@@ -98,7 +104,14 @@ fn print_difference(d: &Difference, report: &Report, args: &CheckArgs) {
     let found = d.found_bits.map_or("nothing: the path had ended".to_string(), value);
     println!(
         "  first: pixel {},{} sample {} bounce {} stage {} lane {} of {}: {found}, expected {}",
-        d.x, d.y, d.sample, d.bounce, d.stage.name(), d.lane, d.lanes, value(d.expected_bits)
+        d.x,
+        d.y,
+        d.sample,
+        d.bounce,
+        d.stage.name(),
+        d.lane,
+        d.lanes,
+        value(d.expected_bits)
     );
     let size = args.scene.size.map_or(String::new(), |s| format!(" --size {}x{}", s.width, s.height));
     println!(

@@ -148,7 +148,11 @@ impl<'a> Targets<'a> {
         for path in files.into_iter().flatten() {
             let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
             if !folder.is_dir() {
-                return Err(CliError::Usage(format!("{}: there is no folder {}; create it", path.display(), folder.display())));
+                return Err(CliError::Usage(format!(
+                    "{}: there is no folder {}; create it",
+                    path.display(),
+                    folder.display()
+                )));
             }
         }
         Ok(targets)

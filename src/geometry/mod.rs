@@ -23,9 +23,9 @@ mod spawn;
 mod sphere;
 mod triangle;
 
-pub use ray::{Hit, MISS, Ray, shadow_ray};
+pub use ray::{Hit, MISS, Ray};
 pub use rows::{Rows, SphereAt, SphereRows, TriangleAt, TriangleRows};
 pub use slab::{BOX_MARGIN, Bounds};
-pub use spawn::{SurfacePoint, offset_origin, sphere_point, triangle_point};
+pub use spawn::{SurfacePoint, offset_origin, point_shadow_ray, shadow_ray, sphere_point, triangle_point};
 pub use sphere::intersect_sphere;
-pub use triangle::{RaySetup, Shear, TriangleHit, Vertices, intersect_triangle, own_box};
+pub use triangle::{Edges, RaySetup, Shear, Vertices, own_box, pass_edges, plane_normal};

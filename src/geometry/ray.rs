@@ -70,18 +70,3 @@ impl<R: Real> Ray<R> {
             & self.t_max.gt(R::zero())
     }
 }
-
-/// Largest t of a [`shadow_ray`]: 1 − 2⁻²⁰.
-///
-/// The target must have been moved off its light by [`offset_origin`](super::offset_origin) towards the ray's origin.
-/// Then the light's own surface lies at t ≥ 1 + δ/(|d| cos θ), δ the offset, which exceeds the error of the test
-/// against that surface; what remains are the relative errors of t (five roundings, 5·2⁻²⁴) and of `target − origin`
-/// (2⁻²⁴), together below 2⁻²⁰ = 16·2⁻²⁴. Of occluders it can miss only those within 2⁻²⁰ of the distance from the target.
-pub const SHADOW_T_MAX: f32 = 1.0 - 1.0 / 1_048_576.0;
-
-/// The open segment between two points that were both moved off their surfaces: direction = target − origin,
-/// unnormalised. See [`SHADOW_T_MAX`].
-#[inline(always)]
-pub fn shadow_ray<R: Real>(origin: Vec3<R>, target: Vec3<R>) -> Ray<R> {
-    Ray::new(origin, target - origin, R::splat(SHADOW_T_MAX))
-}

@@ -1,10 +1,11 @@
 //! The slab test (Kay & Kajiya 1986) and the boxes it is applied to.
 
 use crate::lane::Real;
+use crate::lane::array::Each;
 
 /// How far a primitive's own box exceeds the primitive on each side: 2⁻¹⁹.
 ///
-/// It covers what the sheared vertex transform of [`triangle`](super::intersect_triangle) can move a vertex. With
+/// It covers what the sheared vertex transform of [`triangle`](super::pass_edges) can move a vertex. With
 /// coordinates below 2, |v − o| < 4 is rounded by 2⁻²³, so is S·(v − o)_z from S and from (v − o)_z (|S| ≤ 1), and the
 /// fused result, below 8, by 2⁻²²: together less than 2⁻²⁰. So a ray through the transformed triangle passes the true
 /// one within 2⁻²⁰, and the rest of the margin is left for the rounding of the bounds.
@@ -28,27 +29,27 @@ impl Bounds {
     #[inline]
     pub fn of_triangle([a, b, c]: [[f32; 3]; 3]) -> Self {
         Self {
-            lo: core::array::from_fn(|k| own_lo(a[k], b[k], c[k])),
-            hi: core::array::from_fn(|k| own_hi(a[k], b[k], c[k])),
+            lo: crate::lane::array::from_fn(|k| own_lo(a[k], b[k], c[k])),
+            hi: crate::lane::array::from_fn(|k| own_hi(a[k], b[k], c[k])),
         }
     }
     /// The own box of a sphere.
     #[inline]
     pub fn of_sphere(center: [f32; 3], radius: f32) -> Self {
-        Self { lo: center.map(|c| sphere_lo(c, radius)), hi: center.map(|c| sphere_hi(c, radius)) }
+        Self { lo: center.each(|c| sphere_lo(c, radius)), hi: center.each(|c| sphere_hi(c, radius)) }
     }
     /// The smallest box around both; exact.
     #[inline]
     pub fn union(&self, o: &Self) -> Self {
         Self {
-            lo: core::array::from_fn(|k| self.lo[k].min(o.lo[k])),
-            hi: core::array::from_fn(|k| self.hi[k].max(o.hi[k])),
+            lo: crate::lane::array::from_fn(|k| self.lo[k].min(o.lo[k])),
+            hi: crate::lane::array::from_fn(|k| self.hi[k].max(o.hi[k])),
         }
     }
     /// Half the surface area.
     #[inline]
     pub fn half_area(&self) -> f32 {
-        let [x, y, z]: [f32; 3] = core::array::from_fn(|k| self.hi[k] - self.lo[k]);
+        let [x, y, z]: [f32; 3] = crate::lane::array::from_fn(|k| self.hi[k] - self.lo[k]);
         x * y + (y * z + z * x)
     }
 }

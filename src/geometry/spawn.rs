@@ -1,6 +1,6 @@
 //! The point of a hit, how far off it may be, and where a new ray leaves it (Pharr, Jakob, Humphreys 2023, §6.8).
 
-use super::{SphereAt, TriangleAt};
+use super::{Ray, SphereAt, TriangleAt};
 use crate::lane::{Bits, Real, Vec3};
 
 /// A point on a surface and a bound on the error of each coordinate, which also covers the error that the test
@@ -17,19 +17,20 @@ const fn gamma(n: i32) -> f32 {
     (ne / (1.0 - ne) * (1.0 + 1e-6)) as f32
 }
 
-/// p0 + (u e1 + v e2), within 1.5 ulp.
+/// p0 + (u e1 + v e2): at most 2 ulp of the largest of p0, e1, e2 and p off, 1.5 as measured.
 ///
-/// The bound is γ(7)(|p0| + |e1| + |e2|), the largest of the three axes on each, rather than pbrt's γ(7)Σ|bᵢpᵢ| axis by
-/// axis, which it exceeds: the test shears all axes into one another, so in a wall x = 0 it errs in x by its y and z;
-/// and a ray that leaves at a low angle meets the plane far from the hit, where the error grows with the triangle.
+/// The bound is γ(7)|p0| + γ(16)L with L the extent of the triangle on its longest axis, rather than pbrt's
+/// γ(7)Σ|bᵢpᵢ| per axis, which covers the point but not the test: that one finds the plane to γ(4 + 5)L (the four roundings
+/// of n·(v0 − o); 1.5 ulp of each component of n, and the roundings of the edges it is made of) wherever in the triangle
+/// the ray comes through. The rest keeps a ray that leaves at no angle from meeting the plane within the triangle.
 #[inline(always)]
 pub fn triangle_point<R: Real>(at: &TriangleAt<R>, u: R, v: R) -> SurfacePoint<R> {
     let (p0, e1, e2) = (at.p0, at.e1, at.e2);
     let along = |a: R, b: R| u.mul_add(a, v * b);
     let p = Vec3::new(p0.x + along(e1.x, e2.x), p0.y + along(e1.y, e2.y), p0.z + along(e1.z, e2.z));
-    let bound = |p: R, a: R, b: R| (p.abs() + (a.abs() + b.abs())) * R::splat(gamma(7));
-    let error = Vec3::new(bound(p0.x, e1.x, e2.x), bound(p0.y, e1.y, e2.y), bound(p0.z, e1.z, e2.z));
-    SurfacePoint { p, error: Vec3::all(error.max_component()) }
+    let extent = (e1.abs() + e2.abs()).max_component() * R::splat(gamma(16));
+    let bound = |p: R| p.abs().mul_add(R::splat(gamma(7)), extent);
+    SurfacePoint { p, error: Vec3::new(bound(p0.x), bound(p0.y), bound(p0.z)) }
 }
 
 /// A point near the sphere's surface moved onto it, and the unit normal there (outwards).
@@ -42,7 +43,7 @@ pub fn sphere_point<R: Real>(at: &SphereAt<R>, near: Vec3<R>) -> (SurfacePoint<R
     let p = n.mul_add(at.radius, at.center);
     let bound = |c: R| (c.abs() + at.radius) * R::splat(gamma(14));
     let error = Vec3::new(bound(at.center.x), bound(at.center.y), bound(at.center.z));
-    (SurfacePoint { p, error: Vec3::all(error.max_component()) }, n)
+    (SurfacePoint { p, error }, n)
 }
 
 /// `p` moved off its surface along the unit normal `ng`, to the side that `w` points to, by the distance at which the
@@ -53,6 +54,27 @@ pub fn offset_origin<R: Real>(p: Vec3<R>, error: Vec3<R>, ng: Vec3<R>, w: Vec3<R
     let offset = ng * R::select(w.dot(ng).lt(R::zero()), -distance, distance);
     let moved = p + offset;
     Vec3::new(away(moved.x, offset.x), away(moved.y, offset.y), away(moved.z, offset.z))
+}
+
+/// The segment from `origin` (moved off its own surface by [`offset_origin`]) to `light`, a point on a surface with unit
+/// normal `ng`: direction = target − origin, unnormalised, 0 < t < 1.
+///
+/// The target is moved off the light to the origin's side. Its error bound serves rays that start there; seen from
+/// afar, the test rounds v0 − o, so by the distance, and γ(16) of that is added: the light's own surface then lies at
+/// t > 1 at any angle, where a fixed margin in t fails at low ones (t is off by ε/cos θ). Occluders are missed only within
+/// that offset of the light, 10⁻⁶ of the distance.
+#[inline(always)]
+pub fn shadow_ray<R: Real>(origin: Vec3<R>, light: &SurfacePoint<R>, ng: Vec3<R>) -> Ray<R> {
+    let way = light.p - origin;
+    let far = way.abs().max_component() * R::splat(gamma(16));
+    let error = light.error + Vec3::all(far);
+    point_shadow_ray(origin, offset_origin(light.p, error, ng, -way))
+}
+
+/// The segment to a point that lies on no surface (a point light): direction = target − origin, 0 < t < 1.
+#[inline(always)]
+pub fn point_shadow_ray<R: Real>(origin: Vec3<R>, target: Vec3<R>) -> Ray<R> {
+    Ray::new(origin, target - origin, R::one())
 }
 
 /// The next float after `x` in the direction of `toward`'s sign; `x` itself where `toward` is zero.

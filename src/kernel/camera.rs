@@ -42,7 +42,8 @@ impl Camera {
     pub fn ray<R: Real>(&self, x: R, y: R) -> Ray<R> {
         let sx = x.mul_add(R::splat(self.pixel[0]), R::splat(-1.0));
         let sy = y.neg_mul_add(R::splat(self.pixel[1]), R::one());
-        let direction = Vec3::splat(self.right).mul_add(sx, Vec3::splat(self.up).mul_add(sy, Vec3::splat(self.forward)));
+        let direction =
+            Vec3::splat(self.right).mul_add(sx, Vec3::splat(self.up).mul_add(sy, Vec3::splat(self.forward)));
         Ray { origin: Vec3::splat(self.position), direction: direction.normalize(), t_max: R::splat(f32::INFINITY) }
     }
 }

@@ -166,9 +166,7 @@ impl<R: Real> MaterialAt<R> {
     pub fn is_delta<S: ShadingKind>(&self) -> R::Mask {
         match S::SHADING {
             Shading::Lambert => R::Mask::splat(false),
-            Shading::General => {
-                !self.is(KIND_DIFFUSE) & self.alpha.lt(R::splat(ALPHA_MIN))
-            }
+            Shading::General => !self.is(KIND_DIFFUSE) & self.alpha.lt(R::splat(ALPHA_MIN)),
         }
     }
 

@@ -11,7 +11,7 @@ use super::surface::Surface;
 use super::tile::{CameraQueue, Counters, Job, SampleBuffer};
 use super::world::World;
 use crate::accel::Mode;
-use crate::geometry::{Hit, MISS, Ray, offset_origin, shadow_ray};
+use crate::geometry::{Hit, MISS, Ray, SurfacePoint, shadow_ray};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::light::{LightSample, sphere_pdf, triangle_pdf};
 use crate::sampling::dimensions::*;
@@ -251,8 +251,7 @@ fn add_direct_light<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
 #[inline(always)]
 fn light_ray<R: Real>(surface: &Surface<R>, light: &LightSample<R>) -> Ray<R> {
     let origin = surface.leave(light.wi);
-    let target = offset_origin(light.target, light.target_error, light.ng, -light.wi);
-    let to_point = shadow_ray(origin, target);
+    let to_point = shadow_ray(origin, &SurfacePoint { p: light.target, error: light.target_error }, light.ng);
     Ray {
         origin,
         direction: Vec3::select(light.is_environment, light.wi, to_point.direction),
@@ -281,11 +280,7 @@ fn scatter<R: Real, S: ShadingKind, P: Probe>(
     paths.bsdf_pdf = R::select(sample.delta, R::splat(f32::INFINITY), pdf);
     paths.eta_squared = paths.eta_squared * sample.eta * sample.eta;
     paths.alive = goes_on & paths.beta.max_component().gt(R::zero());
-    paths.ray = Ray {
-        origin: surface.leave(direction),
-        direction,
-        t_max: R::splat(f32::INFINITY),
-    };
+    paths.ray = Ray { origin: surface.leave(direction), direction, t_max: R::splat(f32::INFINITY) };
 }
 
 /// Russian roulette (Arvo & Kirk 1990): from the fifth scattering event on a path survives with probability

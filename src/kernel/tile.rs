@@ -2,10 +2,10 @@
 
 use super::path::{Paths, Traversal};
 use super::world::World;
+use crate::accel::Mode;
 use crate::film::AovSample;
 use crate::geometry::{Hit, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3};
-use crate::accel::Mode;
 use crate::sampling::dimensions::PIXEL;
 use crate::sampling::{Xoshiro, sample_key};
 

@@ -8,6 +8,7 @@
 //!
 //! This folder is the only place that names `wide` or `core::arch`.
 
+pub mod array;
 pub mod math;
 mod shuffle;
 mod vec3;

@@ -1,25 +1,26 @@
 //! What moves values between lanes without computing on them: permute, compress, rows to lanes.
 
 use super::Real;
+use super::array::Each;
 use wide::{f32x8, f32x16, u32x8, u32x16};
 
 /// Lanes 0 … 7 of row `index[i]`, transposed eight columns at a time.
 #[inline(always)]
 pub fn rows8<const N: usize>(table: &[[f32; N]], index: [u32; 8]) -> [f32x8; N] {
     let mut out = [f32x8::ZERO; N];
-    let rows: [&[f32; N]; 8] = core::array::from_fn(|i| &table[index[i] as usize]);
+    let rows: [&[f32; N]; 8] = crate::lane::array::from_fn(|i| &table[index[i] as usize]);
     let mut first = 0;
     while first + 8 <= N {
-        let part = core::array::from_fn(|i| <f32x8 as Real>::load(&rows[i][first..first + 8]));
+        let part = crate::lane::array::from_fn(|i| <f32x8 as Real>::load(&rows[i][first..first + 8]));
         out[first..first + 8].copy_from_slice(&f32x8::transpose(part));
         first += 8;
     }
     if first + 4 <= N {
-        out[first..first + 4].copy_from_slice(&four_columns(rows.map(|row| quad(&row[first..first + 4]))));
+        out[first..first + 4].copy_from_slice(&four_columns(rows.each(|row| quad(&row[first..first + 4]))));
         first += 4;
     }
     for (column, values) in out.iter_mut().enumerate().skip(first) {
-        *values = f32x8::new(core::array::from_fn(|i| rows[i][column]));
+        *values = f32x8::new(crate::lane::array::from_fn(|i| rows[i][column]));
     }
     out
 }
@@ -27,9 +28,9 @@ pub fn rows8<const N: usize>(table: &[[f32; N]], index: [u32; 8]) -> [f32x8; N] 
 /// Sixteen rows: two halves of eight.
 #[inline(always)]
 pub fn rows16<const N: usize>(table: &[[f32; N]], index: [u32; 16]) -> [f32x16; N] {
-    let low = rows8(table, core::array::from_fn(|i| index[i]));
-    let high = rows8(table, core::array::from_fn(|i| index[i + 8]));
-    core::array::from_fn(|i| join(low[i], high[i]))
+    let low = rows8(table, crate::lane::array::from_fn(|i| index[i]));
+    let high = rows8(table, crate::lane::array::from_fn(|i| index[i + 8]));
+    crate::lane::array::from_fn(|i| join(low[i], high[i]))
 }
 
 #[inline(always)]
@@ -51,7 +52,7 @@ fn split(v: f32x16) -> [f32x8; 2] {
 /// Column `c` of eight rows of four.
 #[inline(always)]
 fn four_columns(rows: [[f32; 4]; 8]) -> [f32x8; 4] {
-    let wide = core::array::from_fn(|i| {
+    let wide = crate::lane::array::from_fn(|i| {
         if i < 4 {
             let (a, b) = (rows[i], rows[i + 4]);
             f32x8::new([a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]])
@@ -79,7 +80,7 @@ pub fn lookup4_8(table: &[f32; 4], index: u32x8) -> f32x8 {
         f32x8::from(_mm256_permutevar_ps(row, index.into()))
     }
     #[cfg(not(target_feature = "avx2"))]
-    f32x8::new(index.to_array().map(|i| table[i as usize & 3]))
+    f32x8::new(index.to_array().each(|i| table[i as usize & 3]))
 }
 
 /// Lane `i` is `table[index[i] & 3]`.
@@ -112,7 +113,7 @@ pub fn permute8(v: f32x8, index: u32x8) -> f32x8 {
     #[cfg(not(target_feature = "avx2"))]
     {
         let lanes = v.to_array();
-        f32x8::new(index.to_array().map(|i| lanes[i as usize & 7]))
+        f32x8::new(index.to_array().each(|i| lanes[i as usize & 7]))
     }
 }
 
@@ -128,7 +129,7 @@ pub fn permute16(v: f32x16, index: u32x16) -> f32x16 {
     #[cfg(not(target_feature = "avx512f"))]
     {
         let lanes = v.to_array();
-        f32x16::new(index.to_array().map(|i| lanes[i as usize & 15]))
+        f32x16::new(index.to_array().each(|i| lanes[i as usize & 15]))
     }
 }
 
@@ -163,7 +164,7 @@ pub fn compress8(v: f32x8, bits: u32) -> f32x8 {
     #[cfg(not(all(target_feature = "avx512f", target_feature = "avx512vl")))]
     {
         let bytes = COMPRESSION[bits as usize & 255].to_le_bytes();
-        permute8(v, u32x8::new(bytes.map(u32::from)))
+        permute8(v, u32x8::new(bytes.each(u32::from)))
     }
 }
 

@@ -26,7 +26,7 @@ macro_rules! wide_lanes {
             }
             #[inline(always)]
             fn from_fn(f: impl FnMut(usize) -> u32) -> Self {
-                $u::new(core::array::from_fn(f))
+                $u::new(crate::lane::array::from_fn(f))
             }
             #[inline(always)]
             fn lane(self, i: usize) -> u32 {
@@ -48,7 +48,7 @@ macro_rules! wide_lanes {
             }
             #[inline(always)]
             fn unpack_octal(word: u32) -> Self {
-                $u::splat(word) >> $u::new(core::array::from_fn(|i| (3 * i as u32).min(31)))
+                $u::splat(word) >> $u::new(crate::lane::array::from_fn(|i| (3 * i as u32).min(31)))
             }
             #[inline(always)]
             fn shl<const K: i32>(self) -> Self {
@@ -84,7 +84,7 @@ macro_rules! wide_lanes {
             }
             #[inline(always)]
             fn from_fn(f: impl FnMut(usize) -> f32) -> Self {
-                $f::new(core::array::from_fn(f))
+                $f::new(crate::lane::array::from_fn(f))
             }
             #[inline(always)]
             fn load(slice: &[f32]) -> Self {
@@ -186,7 +186,7 @@ macro_rules! wide_lanes {
             #[inline(always)]
             fn gather(table: &[f32], index: $u) -> Self {
                 let index = index.to_array();
-                $f::new(core::array::from_fn(|i| table[index[i] as usize]))
+                $f::new(crate::lane::array::from_fn(|i| table[index[i] as usize]))
             }
             #[inline(always)]
             fn lookup4(table: &[f32; 4], index: $u) -> Self {

@@ -99,7 +99,7 @@ impl AreaLights {
     pub(super) fn pdf<R: Real>(&self, primitive: R::Bits, origin: Vec3<R>, t: R, cos: R) -> R {
         const NONE: Row = [0.0; 16];
         let found: [Option<usize>; MAX_WIDTH] =
-            core::array::from_fn(|i| if i < R::WIDTH { self.find(primitive.lane(i)) } else { None });
+            crate::lane::array::from_fn(|i| if i < R::WIDTH { self.find(primitive.lane(i)) } else { None });
         let field = |k: usize| R::from_fn(|i| found[i].map_or(&NONE, |at| &self.rows[at])[k]);
         let sphere_lanes = (0..R::WIDTH).filter(|&i| found[i].is_some_and(|at| at >= self.first_sphere));
         let is_sphere = R::Mask::from_bits(sphere_lanes.fold(0, |bits, i| bits | 1 << i));
@@ -126,7 +126,7 @@ impl<'a, R: Real> LaneRows<'a, R> {
     #[inline(always)]
     fn of(rows: &'a [Row], index: R::Bits) -> Self {
         let row = |i| &rows[if i < R::WIDTH { index.lane(i) as usize } else { 0 }];
-        Self { rows: core::array::from_fn(row), lanes: PhantomData }
+        Self { rows: crate::lane::array::from_fn(row), lanes: PhantomData }
     }
 
     #[inline(always)]

@@ -92,7 +92,8 @@ pub fn render(world: &World, options: &Options, pool: &rayon::ThreadPool, progre
         pacer.learn(samples, pass_start.elapsed().as_secs_f64(), done);
         let relative_error = || pool.install(|| film.relative_error());
         progress.update(done, &counters, start.elapsed().as_secs_f64(), relative_error);
-        if pacer.tests_error(done) && relative_error().zip(options.budget.error).is_some_and(|(e, target)| e <= target) {
+        if pacer.tests_error(done) && relative_error().zip(options.budget.error).is_some_and(|(e, target)| e <= target)
+        {
             break StoppedBy::Error;
         }
     };

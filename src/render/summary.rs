@@ -1,10 +1,10 @@
 //! What a render reports: the JSON file, and the lines a person reads at the end.
 
 use super::{Options, Outcome, StoppedBy};
-use crate::process::{peak_memory_bytes, seconds_since_process_start};
 use crate::film::Discarded;
 use crate::kernel::{Counters, Setup, World};
 use crate::plan::Plan;
+use crate::process::{peak_memory_bytes, seconds_since_process_start};
 use std::fmt;
 
 /// Version of the JSON's form; raised when a field changes its meaning.
@@ -60,14 +60,7 @@ pub struct Times {
 
 impl Summary {
     /// Everything but the output's own time, which is not over yet: see [`Summary::finish`].
-    pub fn new(
-        name: &str,
-        world: &World,
-        options: &Options,
-        threads: usize,
-        outcome: &Outcome,
-        times: Times,
-    ) -> Self {
+    pub fn new(name: &str, world: &World, options: &Options, threads: usize, outcome: &Outcome, times: Times) -> Self {
         let counters = outcome.counters;
         let render_seconds = outcome.render_seconds + times.pilot;
         let discarded: Discarded = outcome.film.discarded();

@@ -118,7 +118,14 @@ impl fmt::Display for SceneBenchReport {
             writeln!(
                 f,
                 "{:5} {:7}  {:8.3} ({:.3}–{:.3})  {:7.2}  {:9.2}  {:10.1} %",
-                s.lanes, s.threads, s.mpaths_per_s, s.min, s.max, s.mrays_per_s, s.rays_per_path, s.lane_utilisation * 100.0
+                s.lanes,
+                s.threads,
+                s.mpaths_per_s,
+                s.min,
+                s.max,
+                s.mrays_per_s,
+                s.rays_per_path,
+                s.lane_utilisation * 100.0
             )?;
         }
         Ok(())

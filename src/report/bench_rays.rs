@@ -63,6 +63,8 @@ pub struct SetReport {
     pub mrays_per_s: f64,
     pub min: f64,
     pub max: f64,
+    /// Per second of processor time: what a busy machine does not halve.
+    pub mrays_per_cpu_s: f64,
     pub hits: usize,
     pub rays: usize,
     /// Of hits, in the file's units; 0 for any-hit sets.

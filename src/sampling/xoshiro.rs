@@ -60,13 +60,13 @@ impl<R: Real> Xoshiro<R> {
     /// The camera's numbers, indexed by [`dimensions`].
     #[inline(always)]
     pub fn camera_dims(&mut self) -> [R; dimensions::CAMERA] {
-        core::array::from_fn(|_| self.next_unit())
+        crate::lane::array::from_fn(|_| self.next_unit())
     }
 
     /// One bounce's numbers, indexed by [`dimensions`].
     #[inline(always)]
     pub fn bounce_dims(&mut self) -> [R; dimensions::BOUNCE] {
-        core::array::from_fn(|_| self.next_unit())
+        crate::lane::array::from_fn(|_| self.next_unit())
     }
 
     /// From a freshly seeded state to where the numbers of `bounce` (0 is the first) begin: to replay a sample.

@@ -61,7 +61,8 @@ fn time_stops_a_render_near_its_limit() {
 fn error_stops_at_a_doubling_and_says_that_it_is_biased() {
     let scratch = Scratch::new();
     let run = |target: &str, more: &[&str]| {
-        let arguments = [&["render", "scene.toml", "-o", "a.exr", "--json", "-", "--quiet", "--error", target], more].concat();
+        let arguments =
+            [&["render", "scene.toml", "-o", "a.exr", "--json", "-", "--quiet", "--error", target], more].concat();
         scratch.json(&arguments)
     };
     let report = run("0.03", &[]);
@@ -87,7 +88,19 @@ fn ctrl_c_writes_what_there_is_and_succeeds() {
     let binary = assert_cmd::cargo::cargo_bin("octolux");
     let mut child = std::process::Command::new(binary)
         .current_dir(scratch.folder.path())
-        .args(["render", "scene.toml", "-o", "a.exr", "--spp", "4000000000", "--json", "a.json", "--quiet", "--size", "256x256"])
+        .args([
+            "render",
+            "scene.toml",
+            "-o",
+            "a.exr",
+            "--spp",
+            "4000000000",
+            "--json",
+            "a.json",
+            "--quiet",
+            "--size",
+            "256x256",
+        ])
         .spawn()
         .unwrap();
     std::thread::sleep(std::time::Duration::from_millis(1500));

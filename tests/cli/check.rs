@@ -34,7 +34,8 @@ fn an_injected_fault_is_found_at_every_stage_that_the_scene_has() {
 fn replay_prints_the_path_that_check_names() {
     let scratch = Scratch::new();
     let one = text(&scratch.run(&["replay", "scene.toml", "--pixel", "12,9", "--sample", "1"]).stdout);
-    let eight = text(&scratch.run(&["replay", "scene.toml", "--pixel", "12,9", "--sample", "1", "--lanes", "8"]).stdout);
+    let eight =
+        text(&scratch.run(&["replay", "scene.toml", "--pixel", "12,9", "--sample", "1", "--lanes", "8"]).stdout);
     assert_eq!(one, eight);
     for word in ["vertex 0", "hit-t", "random", "radiance"] {
         assert!(one.contains(word), "{one}");

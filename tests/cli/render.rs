@@ -12,7 +12,9 @@ fn writes_an_exr_with_variance_and_metadata() {
     assert_eq!((image.width, image.height), (24, 16));
     assert!(image.variance().is_some(), "eight samples have a variance");
     let raw = std::fs::read(scratch.path("a.exr")).unwrap();
-    for channel in ["albedo.R", "N.X", "Z", "variance.G", "octolux.samples", "octolux.stopped_by", "octolux.cpu_features"] {
+    for channel in
+        ["albedo.R", "N.X", "Z", "variance.G", "octolux.samples", "octolux.stopped_by", "octolux.cpu_features"]
+    {
         assert!(raw.windows(channel.len()).any(|w| w == channel.as_bytes()), "{channel} is in the header");
     }
 }
@@ -27,10 +29,32 @@ fn one_sample_has_no_variance_layer() {
 #[test]
 fn json_on_standard_output_is_complete_and_alone() {
     let scratch = Scratch::new();
-    let report = scratch.json(&["render", "scene.toml", "-o", "a.exr", "--spp", "4", "--json", "-", "--threads", "2", "--lanes", "8"]);
+    let report = scratch.json(&[
+        "render",
+        "scene.toml",
+        "-o",
+        "a.exr",
+        "--spp",
+        "4",
+        "--json",
+        "-",
+        "--threads",
+        "2",
+        "--lanes",
+        "8",
+    ]);
     for key in [
-        "render_seconds", "setup_seconds", "wall_seconds", "samples_per_pixel", "paths_per_second", "rays_per_second",
-        "discarded_samples", "lanes", "threads", "seed", "stopped_by",
+        "render_seconds",
+        "setup_seconds",
+        "wall_seconds",
+        "samples_per_pixel",
+        "paths_per_second",
+        "rays_per_second",
+        "discarded_samples",
+        "lanes",
+        "threads",
+        "seed",
+        "stopped_by",
     ] {
         assert!(!report[key].is_null(), "{key} is missing in {report}");
     }
@@ -40,7 +64,10 @@ fn json_on_standard_output_is_complete_and_alone() {
     assert_eq!(report["stopped_by"], "samples");
     assert_eq!(report["paths"], 24 * 16 * 4);
     let (setup, render, wall) = (&report["setup_seconds"], &report["render_seconds"], &report["wall_seconds"]);
-    assert!(setup.as_f64().unwrap() + render.as_f64().unwrap() <= wall.as_f64().unwrap() + 0.02, "parts add up: {report}");
+    assert!(
+        setup.as_f64().unwrap() + render.as_f64().unwrap() <= wall.as_f64().unwrap() + 0.02,
+        "parts add up: {report}"
+    );
 }
 
 #[test]
@@ -57,7 +84,8 @@ fn the_same_command_gives_the_same_file_contents_and_another_seed_does_not() {
 #[test]
 fn png_is_a_png_of_the_asked_size() {
     let scratch = Scratch::new();
-    let output = scratch.run(&["render", "scene.toml", "--png", "a.png", "--spp", "1", "--size", "30x20", "--exposure", "-1"]);
+    let output =
+        scratch.run(&["render", "scene.toml", "--png", "a.png", "--spp", "1", "--size", "30x20", "--exposure", "-1"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(scratch.path("a.png")).unwrap()));
     let reader = decoder.read_info().unwrap();

@@ -12,7 +12,10 @@ const HALF_WIDTH: f64 = 4.0;
 const HALF_DEPTH: f64 = 0.5;
 
 pub fn obj() -> String {
-    let mut obj = Obj::new("Made by tools/make_scenes: four plates, a floor and a wall, facing up and towards the camera.", "plates.mtl");
+    let mut obj = Obj::new(
+        "Made by tools/make_scenes: four plates, a floor and a wall, facing up and towards the camera.",
+        "plates.mtl",
+    );
     for (i, [y, z]) in CENTRES.into_iter().enumerate() {
         obj.line(&format!("o plate{i}"));
         obj.quad(&format!("plate{i}"), plate([0.0, y, z]));

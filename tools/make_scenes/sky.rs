@@ -83,9 +83,7 @@ fn clear_sky(w: [f64; 3]) -> [f64; 3] {
     let indicatrix = 1.0 + C * ((D * chi).exp() - (D * FRAC_PI_2).exp()) + E * chi.cos().powi(2);
     // Whiter where the air is thick or the sun near.
     let white = (1.0 - w[1]).powi(3).max((-4.0 * chi).exp());
-    std::array::from_fn(|c| {
-        gradation * indicatrix * (ZENITH_COLOUR[c] * (1.0 - white) + HORIZON_COLOUR[c] * white)
-    })
+    std::array::from_fn(|c| gradation * indicatrix * (ZENITH_COLOUR[c] * (1.0 - white) + HORIZON_COLOUR[c] * white))
 }
 
 fn angle_to_sun(w: [f64; 3]) -> f64 {

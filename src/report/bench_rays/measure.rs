@@ -5,7 +5,7 @@ use super::{SetReport, TraceMode};
 use crate::accel::{Accel, Brute, Mode, Packet, Single};
 use crate::geometry::{MISS, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3, f32x8, f32x16};
-use crate::process::{allowed_cores, pin_to_core};
+use crate::process::{allowed_cores, pin_to_core, thread_cpu_seconds};
 use std::sync::{Barrier, Mutex};
 use std::time::Instant;
 
@@ -34,9 +34,13 @@ pub fn measure(
     let pass = pass(mode, lanes);
     let mut out = Output { t: vec![0.0; rays.count()], primitive: vec![MISS; rays.count()] };
     run(accel, rays, pass, threads, &mut out);
-    let mut rates: Vec<f64> =
-        (0..windows).map(|_| rays.count() as f64 / run(accel, rays, pass, threads, &mut out) * 1e-6).collect();
-    rates.sort_by(f64::total_cmp);
+    let passes: Vec<Pace> = (0..windows).map(|_| run(accel, rays, pass, threads, &mut out)).collect();
+    let rates = |seconds: fn(&Pace) -> f64| {
+        let mut rates: Vec<f64> = passes.iter().map(|p| rays.count() as f64 * 1e-6 / seconds(p)).collect();
+        rates.sort_by(f64::total_cmp);
+        rates
+    };
+    let (cpu, rates) = (rates(|p| p.cpu), rates(|p| p.wall));
     let hit = |i: &usize| out.primitive[*i] != MISS;
     let hits = (0..rays.count()).filter(hit);
     let sum_t = hits.clone().filter(|_| !rays.any).map(|i| f64::from(out.t[i]) / f64::from(scale)).sum();
@@ -48,6 +52,7 @@ pub fn measure(
         mrays_per_s: rates[rates.len() / 2],
         min: rates[0],
         max: rates[rates.len() - 1],
+        mrays_per_cpu_s: cpu[cpu.len() / 2],
         hits: hits.count(),
         rays: rays.count(),
         sum_t,
@@ -69,8 +74,14 @@ fn pass(mode: TraceMode, lanes: usize) -> Pass {
     }
 }
 
-/// One pass over the whole set; seconds from the moment all threads are pinned and ready.
-fn run(accel: &Accel, rays: &RaySet, pass: Pass, threads: usize, out: &mut Output) -> f64 {
+/// Seconds of one pass: on the clock, from the moment all threads are pinned and ready, and summed over processors.
+struct Pace {
+    wall: f64,
+    cpu: f64,
+}
+
+/// One pass over the whole set.
+fn run(accel: &Accel, rays: &RaySet, pass: Pass, threads: usize, out: &mut Output) -> Pace {
     let chunks = out.t.chunks_mut(CHUNK).zip(out.primitive.chunks_mut(CHUNK)).enumerate();
     let (work, ready) = (Mutex::new(chunks), Barrier::new(threads + 1));
     let cores = allowed_cores();
@@ -83,19 +94,23 @@ fn run(accel: &Accel, rays: &RaySet, pass: Pass, threads: usize, out: &mut Outpu
                         pin_to_core(core);
                     }
                     ready.wait();
+                    let before = thread_cpu_seconds();
                     // A panic elsewhere poisons nothing that matters: the chunks are independent.
                     let take = || work.lock().unwrap_or_else(|e| e.into_inner()).next();
                     while let Some((i, (t, primitive))) = take() {
                         pass(accel, rays, i * CHUNK, t, primitive);
                     }
-                    Instant::now()
+                    (Instant::now(), thread_cpu_seconds() - before)
                 })
             })
             .collect();
         ready.wait();
         let start = Instant::now();
         let ends = workers.into_iter().filter_map(|worker| worker.join().ok());
-        ends.map(|end| end.duration_since(start).as_secs_f64()).fold(1e-9, f64::max)
+        ends.fold(Pace { wall: 1e-9, cpu: 1e-9 }, |pace, (end, cpu)| Pace {
+            wall: pace.wall.max(end.duration_since(start).as_secs_f64()),
+            cpu: pace.cpu + cpu,
+        })
     })
 }
 
