@@ -7,6 +7,7 @@ mod cli;
 mod closed_forms;
 mod equivalence;
 mod film;
+mod independent;
 mod lane;
 mod light;
 mod oracle;

@@ -1,7 +1,7 @@
 //! One scene, one seed, one number of samples: one image, bit for bit, however it is computed.
 
 mod metamorphic;
-mod scenes;
+pub mod scenes;
 mod schedules;
 
 use octolux::film::Film;

@@ -80,7 +80,7 @@ pub fn lambert_room() -> Scene {
 }
 
 /// No mesh at all.
-fn spheres_under_a_sky() -> Scene {
+pub fn spheres_under_a_sky() -> Scene {
     let mut set = Set::new([0.0, 1.0, 5.0], [0.0, 0.3, 0.0], 40.0, SIDE).bounces(12).environment(sky());
     let stone = set.grey(0.4, 0.0);
     let glass = set.material(Bsdf::Dielectric { alpha: 0.0, masking: Masking::Correlated, ior: 1.5 }, [0.0; 3]);
