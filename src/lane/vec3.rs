@@ -92,7 +92,7 @@ impl<R: Real> Vec3<R> {
         Self::new(self.x.masked(mask), self.y.masked(mask), self.z.masked(mask))
     }
     #[inline(always)]
-    pub fn lane(self, i: usize) -> [f32; 3] {
+    pub fn lane(&self, i: usize) -> [f32; 3] {
         [self.x.lane(i), self.y.lane(i), self.z.lane(i)]
     }
     #[inline(always)]
