@@ -92,8 +92,8 @@ fn sign_bit<R: Real>(x: R) -> R::Mask {
 pub struct Edges<R: Real> {
     pub inside: R::Mask,
     /// Unnormalised weights of vertices 1 and 2, and the sum of all three.
-    weights: [R; 2],
-    sum: R,
+    pub weights: [R; 2],
+    pub sum: R,
     /// Along the ray's longest axis.
     depths: [R; 3],
 }
