@@ -3,7 +3,7 @@
 use super::block::{keep_sphere, keep_triangle, test_sphere};
 use super::{Accel, Brute, Mode};
 use crate::geometry::{Bounds, Edges, Hit, RaySetup, pass_edges, plane_normal};
-use crate::lane::{Mask, Real};
+use crate::lane::{Mask, Real, axes};
 
 /// A triangle for broadcasting: 96 bytes.
 #[repr(C, align(16))]
@@ -51,11 +51,11 @@ impl SphereList {
 impl TriangleRow {
     #[inline(always)]
     fn test<R: Real>(&self, setup: &RaySetup<R>, t_best: R, active: R::Mask) -> Option<(Edges<R>, R::Mask, R)> {
-        let turned = self.vertices.each_ref().map(|p| setup.axes.map(|k| R::lookup4(p, k)));
+        let turned = axes(|vertex| axes(|k| R::lookup4(&self.vertices[vertex], setup.order[k])));
         let edges = pass_edges(&setup.shear, turned, active)?;
-        let [x, y, z, _] = self.vertices[0].map(R::splat);
-        let (mask, t) = edges.distance(setup, [x, y, z], self.normal.map(R::splat), t_best)?;
-        let (t_near, t_far) = setup.slab(self.lo.map(R::splat), self.hi.map(R::splat));
+        let v0 = axes(|k| R::splat(self.vertices[0][k]));
+        let (mask, t) = edges.distance(setup, v0, axes(|k| R::splat(self.normal[k])), t_best)?;
+        let (t_near, t_far) = setup.slab(axes(|k| R::splat(self.lo[k])), axes(|k| R::splat(self.hi[k])));
         Some((edges, mask & t_near.le(t_far), t_near.max_or(t)))
     }
 }
@@ -67,7 +67,7 @@ fn test_listed<R: Real>(
     t_best: R,
     active: R::Mask,
 ) -> Option<(R::Mask, R)> {
-    test_sphere(setup, sphere.0.map(R::splat), R::splat(sphere.1), t_best, active)
+    test_sphere(setup, axes(|k| R::splat(sphere.0[k])), R::splat(sphere.1), t_best, active)
 }
 
 impl Mode for Brute {
