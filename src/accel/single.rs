@@ -56,7 +56,7 @@ impl Stack {
 
 /// The slab test of the children from `slot` on.
 #[inline(always)]
-fn enter<E: Real>(node: &Node, ray: &OneRay<E>, slot: usize) -> (E, E) {
+pub fn enter<E: Real>(node: &Node, ray: &OneRay<E>, slot: usize) -> (E, E) {
     let plane = |k: usize, upper: usize| E::load(&node.planes[2 * k + upper][slot..]);
     let near = axes(|k| plane(k, ray.negative[k]));
     let far = axes(|k| plane(k, 1 - ray.negative[k]));
@@ -104,7 +104,7 @@ pub struct Lanes {
     order: [[u32; 16]; 3],
     shear_origin: [[f32; 16]; 3],
     shear_scale: [[f32; 16]; 3],
-    t_max: [f32; 16],
+    pub t_max: [f32; 16],
 }
 
 #[inline(always)]

@@ -203,3 +203,16 @@ pub fn extreme16(v: f32x16, better: impl Fn(f32x8, f32x8) -> f32x8) -> f32 {
     let [low, high] = split(v);
     extreme8(better(low, high), better)
 }
+
+/// Starts to bring what is at `pointer` into the caches; any pointer will do, nothing is read.
+#[inline(always)]
+pub fn prefetch<T>(pointer: *const T) {
+    #[cfg(target_arch = "x86_64")]
+    for line in (0..size_of::<T>()).step_by(64) {
+        // SAFETY: a prefetch is a hint; it neither faults nor changes anything, whatever the address.
+        unsafe {
+            use core::arch::x86_64::*;
+            _mm_prefetch::<_MM_HINT_T0>(pointer.cast::<i8>().wrapping_add(line));
+        }
+    }
+}
