@@ -17,7 +17,8 @@ mod width1;
 mod width16;
 mod width8;
 
-pub use vec3::Vec3;
+pub use shuffle::prefetch;
+pub use vec3::{Vec3, axes};
 pub use wide::{f32x8, f32x16};
 use wide_impl::{MaskOps, reinterpret, wide_lanes, wide_masks};
 

@@ -111,6 +111,13 @@ impl<R: Real> Vec3<R> {
     }
 }
 
+/// `[f(0), f(1), f(2)]`: one value per axis. Unlike `array::map` and `from_fn` it is always inlined, which keeps
+/// registers from going through memory.
+#[inline(always)]
+pub fn axes<T>(mut f: impl FnMut(usize) -> T) -> [T; 3] {
+    [f(0), f(1), f(2)]
+}
+
 /// `a·b − c·d` with at most 1.5 ulp of error (Kahan; Jeannerod, Louvet, Muller 2013).
 #[inline(always)]
 pub fn difference_of_products<R: Real>(a: R, b: R, c: R, d: R) -> R {
