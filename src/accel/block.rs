@@ -1,10 +1,9 @@
 //! Leaves: eight triangles or spheres side by side.
 
-use super::tree::{Block, OneHit, OneRay};
+use super::tree::{Block, OneHit, OneRay, PacketRay};
 use crate::geometry::slab::{own_hi, own_lo, slab, sphere_hi, sphere_lo};
 use crate::geometry::{Edges, Hit, MISS, RaySetup, Vertices, intersect_sphere, own_box, pass_edges, plane_normal};
-use crate::lane::array::Each;
-use crate::lane::{Bits, Mask, Real};
+use crate::lane::{Bits, Mask, Real, axes};
 
 /// Eight triangles: coordinates by vertex and axis, so that a single ray's choice of axes is a choice of arrays.
 #[repr(C, align(64))]
@@ -39,23 +38,28 @@ impl TriangleBlock {
         block
     }
 
-    /// Vertices from place `i` on, in the order of `axes`.
+    /// Vertices from place `i` on, their coordinates in the given order.
     #[inline(always)]
-    fn load<E: Real>(&self, axes: [usize; 3], i: usize) -> Vertices<E> {
-        self.v.each_ref().each(|p| axes.each(|k| E::load(&p[k][i..])))
+    fn load<E: Real>(&self, order: [usize; 3], i: usize) -> Vertices<E> {
+        axes(|vertex| axes(|k| E::load(&self.v[vertex][order[k]][i..])))
+    }
+    /// Triangle `i` in every lane.
+    #[inline(always)]
+    fn splat<R: Real>(&self, order: [usize; 3], i: usize) -> Vertices<R> {
+        axes(|vertex| axes(|k| R::splat(self.v[vertex][order[k]][i])))
     }
 
     /// Candidates from place `i` on, and where the ray enters their own boxes.
     #[inline(always)]
     fn test_one<E: Real>(&self, ray: &OneRay<E>, i: usize, t_best: f32) -> Option<(Edges<E>, E::Mask, E)> {
-        let edges = pass_edges(&ray.setup.shear, self.load(ray.axes, i), E::Mask::splat(true))?;
+        let edges = pass_edges(&ray.setup.shear, self.load(ray.order, i), E::Mask::splat(true))?;
         let v: Vertices<E> = self.load([0, 1, 2], i);
         let (mask, t) = edges.distance(&ray.setup, v[0], plane_normal(v), E::splat(t_best))?;
         let plane = |k: usize, upper: usize| {
             if upper != 0 { own_hi(v[0][k], v[1][k], v[2][k]) } else { own_lo(v[0][k], v[1][k], v[2][k]) }
         };
-        let near = [0, 1, 2].each(|k| plane(k, ray.negative[k]));
-        let far = [0, 1, 2].each(|k| plane(k, 1 - ray.negative[k]));
+        let near = axes(|k| plane(k, ray.negative[k]));
+        let far = axes(|k| plane(k, 1 - ray.negative[k]));
         let (t_near, t_far) = slab(near, far, ray.setup.origin, ray.setup.inverse);
         let t = t_near.max_or(t);
         Some((edges, mask & t_near.le(t_far) & t.lt(E::splat(ray.t_max)), t))
@@ -65,20 +69,23 @@ impl TriangleBlock {
     #[inline(always)]
     fn test_packet<R: Real>(
         &self,
-        setup: &RaySetup<R>,
+        ray: &PacketRay<R>,
         i: usize,
         t_best: R,
         active: R::Mask,
     ) -> Option<(Edges<R>, R::Mask, R)> {
-        let world: Vertices<R> = self.v.each_ref().each(|p| p.each_ref().each(|x| R::splat(x[i])));
-        let axis = |k: usize| setup.axes[k];
-        let (one, two) = (R::Bits::splat(1), R::Bits::splat(2));
-        let masks = [0, 1, 2].each(|k| (axis(k).eq(one), axis(k).eq(two)));
-        let turned = world.each(|p| masks.each(|(is_y, is_z)| R::select(is_z, p[2], R::select(is_y, p[1], p[0]))));
-        let edges = pass_edges(&setup.shear, turned, active)?;
-        let (mask, t) = edges.distance(setup, world[0], plane_normal(world), t_best)?;
+        let turned = match ray.order {
+            Some(order) => self.splat(order, i),
+            None => {
+                let world = self.splat([0, 1, 2], i);
+                axes(|vertex| axes(|k| ray.pick(k, world[vertex])))
+            }
+        };
+        let edges = pass_edges(&ray.setup.shear, turned, active)?;
+        let world = self.splat([0, 1, 2], i);
+        let (mask, t) = edges.distance(ray.setup, world[0], plane_normal(world), t_best)?;
         let (lo, hi) = own_box(world);
-        let (t_near, t_far) = setup.slab(lo, hi);
+        let (t_near, t_far) = ray.setup.slab(lo, hi);
         Some((edges, mask & t_near.le(t_far), t_near.max_or(t)))
     }
 }
@@ -125,7 +132,7 @@ pub fn test_sphere<R: Real>(
     if mask.none() {
         return None;
     }
-    let (t_near, t_far) = setup.slab(center.each(|c| sphere_lo(c, radius)), center.each(|c| sphere_hi(c, radius)));
+    let (t_near, t_far) = setup.slab(axes(|k| sphere_lo(center[k], radius)), axes(|k| sphere_hi(center[k], radius)));
     Some((mask & t_near.le(t_far), t_near.max_or(t)))
 }
 
@@ -164,18 +171,18 @@ impl Block for TriangleBlock {
         (0..8).step_by(E::WIDTH).any(|i| self.test_one(ray, i, t_max).is_some_and(|(_, mask, _)| mask.any()))
     }
     #[inline(always)]
-    fn closest_packet<R: Real>(&self, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
+    fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
         for (i, id) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
-            if let Some(found) = self.test_packet(setup, i, hit.t, active) {
+            if let Some(found) = self.test_packet(ray, i, hit.t, active) {
                 keep_triangle(found, *id, t_max, hit);
             }
         }
     }
     #[inline(always)]
-    fn any_packet<R: Real>(&self, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask {
+    fn any_packet<R: Real>(&self, ray: &PacketRay<R>, t_max: R, active: R::Mask) -> R::Mask {
         let mut open = active;
         for (i, _) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
-            if let Some((_, mask, t)) = self.test_packet(setup, i, t_max, open) {
+            if let Some((_, mask, t)) = self.test_packet(ray, i, t_max, open) {
                 open = open & !(mask & t.lt(t_max));
                 if open.none() {
                     break;
@@ -202,15 +209,15 @@ impl SphereBlock {
     }
     #[inline(always)]
     fn test_one<E: Real>(&self, ray: &OneRay<E>, i: usize, t_best: f32) -> Option<(E::Mask, E)> {
-        let center = self.center.each_ref().each(|c| E::load(&c[i..]));
+        let center = axes(|k| E::load(&self.center[k][i..]));
         let radius = E::load(&self.radius[i..]);
         let (mask, t) = test_sphere(&ray.setup, center, radius, E::splat(t_best), E::Mask::splat(true))?;
         Some((mask & t.lt(E::splat(ray.t_max)), t))
     }
     #[inline(always)]
-    fn test_packet<R: Real>(&self, setup: &RaySetup<R>, i: usize, t_best: R, active: R::Mask) -> Option<(R::Mask, R)> {
-        let center = self.center.each_ref().each(|c| R::splat(c[i]));
-        test_sphere(setup, center, R::splat(self.radius[i]), t_best, active)
+    fn test_packet<R: Real>(&self, ray: &PacketRay<R>, i: usize, t_best: R, active: R::Mask) -> Option<(R::Mask, R)> {
+        let center = axes(|k| R::splat(self.center[k][i]));
+        test_sphere(ray.setup, center, R::splat(self.radius[i]), t_best, active)
     }
 }
 
@@ -229,18 +236,18 @@ impl Block for SphereBlock {
         (0..8).step_by(E::WIDTH).any(|i| self.test_one(ray, i, t_max).is_some_and(|(mask, _)| mask.any()))
     }
     #[inline(always)]
-    fn closest_packet<R: Real>(&self, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
+    fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
         for (i, id) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
-            if let Some((mask, t)) = self.test_packet(setup, i, hit.t, active) {
+            if let Some((mask, t)) = self.test_packet(ray, i, hit.t, active) {
                 keep_sphere(mask, t, *id, t_max, hit);
             }
         }
     }
     #[inline(always)]
-    fn any_packet<R: Real>(&self, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask {
+    fn any_packet<R: Real>(&self, ray: &PacketRay<R>, t_max: R, active: R::Mask) -> R::Mask {
         let mut open = active;
         for (i, _) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
-            if let Some((mask, t)) = self.test_packet(setup, i, t_max, open) {
+            if let Some((mask, t)) = self.test_packet(ray, i, t_max, open) {
                 open = open & !(mask & t.lt(t_max));
             }
         }

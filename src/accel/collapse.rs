@@ -8,7 +8,7 @@ use obvhs::bvh2::{Bvh2, node::Bvh2Node};
 
 /// Cost of visiting a node and a block of eight, per half area; only the ratio matters. Found by measuring.
 const NODE_COST: f32 = 1.0;
-const BLOCK_COST: f32 = 1.0;
+const BLOCK_COST: f32 = 1.4;
 
 /// Below this many nodes of the longest way down the optimal choice gives way to balanced halving, so that no input
 /// (a binary tree can be a list) makes a tree deeper than [`MAX_DEPTH`]: what is left, at most 2²⁸ primitives, is

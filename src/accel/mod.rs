@@ -11,6 +11,7 @@ mod collapse;
 mod node;
 mod packet;
 mod single;
+mod stream;
 mod tree;
 
 use crate::geometry::{Bounds, Hit, Ray, RaySetup};
@@ -37,6 +38,9 @@ pub struct Brute;
 /// Each lane's ray in turn, against eight boxes or triangles at a time: for rays that have parted.
 #[derive(Clone, Copy, Debug)]
 pub struct Single;
+/// The lanes' rays in flight together, each on its own way: what [`Single`] is for, faster from 8 lanes on.
+#[derive(Clone, Copy, Debug)]
+pub struct Stream;
 /// All lanes together through the tree: for rays that go the same way.
 #[derive(Clone, Copy, Debug)]
 pub struct Packet;

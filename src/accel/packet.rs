@@ -1,12 +1,11 @@
 //! All lanes together through the tree.
 
 use super::node::{Child, Node};
-use super::tree::{Block, STACK, Tree};
+use super::tree::{Block, PacketRay, STACK, Tree};
 use super::{Accel, Mode, Packet, Single};
 use crate::geometry::slab::{FAR_PAD, slab};
 use crate::geometry::{Hit, RaySetup};
-use crate::lane::array::Each;
-use crate::lane::{Bits, Mask, Real};
+use crate::lane::{Bits, Mask, Real, axes};
 
 /// Bounds of what the rays of a packet do, for testing eight boxes against all of them at once.
 ///
@@ -25,29 +24,21 @@ struct Interval<E: Real> {
 impl<E: Real> Interval<E> {
     /// `None` where the lanes' signs differ or a component of a direction is so small that its inverse is infinite.
     #[inline(always)]
-    fn new<R: Real>(setup: &RaySetup<R>, active: R::Mask) -> Option<Self> {
-        let all = active.bits();
-        let negative = setup.negative.each(|n| (n & active).bits());
-        if negative.iter().any(|n| *n != 0 && *n != all) {
-            return None;
-        }
+    fn new<R: Real>(ray: &PacketRay<R>, active: R::Mask) -> Option<Self> {
+        let negative = ray.negative?;
         let infinity = R::splat(f32::INFINITY);
-        let lowest = |x: R| R::select(active, x, infinity).lowest();
-        let highest = |x: R| R::select(active, x, -infinity).highest();
-        let (lo, hi) = (setup.inverse.each(lowest), setup.inverse.each(highest));
-        if lo.iter().chain(&hi).any(|x| !x.is_finite()) {
+        let lowest = axes(|k| R::select(active, ray.setup.inverse[k], infinity).lowest());
+        let highest = axes(|k| R::select(active, ray.setup.inverse[k], -infinity).highest());
+        if lowest.iter().chain(&highest).any(|x| !x.is_finite()) {
             return None;
         }
-        let negative = negative.each(|n| usize::from(n != 0));
-        let (o_lo, o_hi) = (setup.origin.each(lowest), setup.origin.each(highest));
-        let pick = |a: [f32; 3], b: [f32; 3]| {
-            crate::lane::array::from_fn(|k| E::splat(if negative[k] != 0 { b[k] } else { a[k] }))
-        };
+        let o_lowest = axes(|k| R::select(active, ray.setup.origin[k], infinity).lowest());
+        let o_highest = axes(|k| R::select(active, ray.setup.origin[k], -infinity).highest());
         Some(Self {
-            near_origin: pick(o_hi, o_lo),
-            far_origin: pick(o_lo, o_hi),
-            lowest: lo.each(E::splat),
-            highest: hi.each(E::splat),
+            near_origin: axes(|k| E::splat(if negative[k] != 0 { o_lowest[k] } else { o_highest[k] })),
+            far_origin: axes(|k| E::splat(if negative[k] != 0 { o_highest[k] } else { o_lowest[k] })),
+            lowest: axes(|k| E::splat(lowest[k])),
+            highest: axes(|k| E::splat(highest[k])),
             negative,
         })
     }
@@ -110,7 +101,7 @@ impl Stack {
 #[inline(always)]
 fn walk<B: Block, R: Real>(
     tree: &Tree<B>,
-    setup: &RaySetup<R>,
+    ray: &PacketRay<R>,
     active: R::Mask,
     t_max: R,
     mut leaf: impl FnMut(&B, R::Mask) -> (R::Mask, R),
@@ -122,9 +113,9 @@ fn walk<B: Block, R: Real>(
         leaf(&tree.blocks[tree.root.index()], active);
         return;
     }
-    let interval = Interval::<R::Eight>::new(setup, active);
-    let first = active.bits().trailing_zeros() as usize;
-    let octant = (0..3).map(|k| usize::from(setup.negative[k].lane(first)) << k).sum();
+    let interval = Interval::<R::Eight>::new(ray, active);
+    let first = active.bits().trailing_zeros() as usize % R::WIDTH;
+    let octant = (0..3).map(|k| usize::from(ray.setup.negative[k].lane(first)) << k).sum();
     let farthest = |active: R::Mask, t: R| R::select(active, t, R::zero()).highest();
     let (mut active, mut t_best) = (active, t_max);
     let mut t_farthest = farthest(active, t_best);
@@ -134,16 +125,7 @@ fn walk<B: Block, R: Real>(
         stack.len = len;
         let (node, slot) = (stack.slot[len] as usize / 8, stack.slot[len] as usize % 8);
         let node = &tree.nodes[node];
-        let lo = [0, 1, 2].each(|k| R::splat(node.planes[2 * k][slot]));
-        let hi = [0, 1, 2].each(|k| R::splat(node.planes[2 * k + 1][slot]));
-        let (t_near, t_far) = match &interval {
-            Some(interval) => {
-                let side =
-                    |far: usize| [0, 1, 2].each(|k| R::splat(node.planes[2 * k + (interval.negative[k] ^ far)][slot]));
-                slab(side(0), side(1), setup.origin, setup.inverse)
-            }
-            None => setup.slab(lo, hi),
-        };
+        let (t_near, t_far) = enter(node, slot, ray);
         let inside = t_near.le(t_far) & t_near.le(t_best) & active;
         if inside.none() {
             continue;
@@ -161,6 +143,19 @@ fn walk<B: Block, R: Real>(
     }
 }
 
+/// The slab test of one child against all lanes.
+#[inline(always)]
+fn enter<R: Real>(node: &Node, slot: usize, ray: &PacketRay<R>) -> (R, R) {
+    let plane = |k: usize, upper: usize| R::splat(node.planes[2 * k + upper][slot]);
+    match ray.negative {
+        Some(negative) => {
+            let (near, far) = (axes(|k| plane(k, negative[k])), axes(|k| plane(k, 1 - negative[k])));
+            slab(near, far, ray.setup.origin, ray.setup.inverse)
+        }
+        None => ray.setup.slab(axes(|k| plane(k, 0)), axes(|k| plane(k, 1))),
+    }
+}
+
 impl Mode for Packet {
     const TREE: bool = true;
 
@@ -169,13 +164,13 @@ impl Mode for Packet {
         if R::WIDTH == 1 {
             return Single::closest(accel, setup, active, hit);
         }
-        let t_max = hit.t;
-        walk(&accel.triangle_tree, setup, active, hit.t, |block, inside| {
-            block.closest_packet(setup, inside, hit, t_max);
+        let (ray, t_max) = (PacketRay::new(setup, active), hit.t);
+        walk(&accel.triangle_tree, &ray, active, hit.t, |block, inside| {
+            block.closest_packet(&ray, inside, hit, t_max);
             (active, hit.t)
         });
-        walk(&accel.sphere_tree, setup, active, hit.t, |block, inside| {
-            block.closest_packet(setup, inside, hit, t_max);
+        walk(&accel.sphere_tree, &ray, active, hit.t, |block, inside| {
+            block.closest_packet(&ray, inside, hit, t_max);
             (active, hit.t)
         });
     }
@@ -185,13 +180,13 @@ impl Mode for Packet {
         if R::WIDTH == 1 {
             return Single::any(accel, setup, t_max, active);
         }
-        let mut open = active;
-        walk(&accel.triangle_tree, setup, active, t_max, |block, inside| {
-            open = open & !block.any_packet(setup, t_max, inside & open);
+        let (ray, mut open) = (PacketRay::new(setup, active), active);
+        walk(&accel.triangle_tree, &ray, active, t_max, |block, inside| {
+            open = open & !block.any_packet(&ray, t_max, inside & open);
             (open, t_max)
         });
-        walk(&accel.sphere_tree, setup, open, t_max, |block, inside| {
-            open = open & !block.any_packet(setup, t_max, inside & open);
+        walk(&accel.sphere_tree, &ray, open, t_max, |block, inside| {
+            open = open & !block.any_packet(&ray, t_max, inside & open);
             (open, t_max)
         });
         active & !open

@@ -5,8 +5,7 @@ use super::tree::{Block, OneHit, OneRay, STACK, Tree};
 use super::{Accel, Mode, Single};
 use crate::geometry::slab::slab;
 use crate::geometry::{Hit, MISS, RaySetup};
-use crate::lane::array::Each;
-use crate::lane::{Bits, Mask, Real};
+use crate::lane::{Bits, Mask, Real, axes};
 
 /// Children still to visit, with where the ray enters them.
 pub struct Stack {
@@ -57,10 +56,10 @@ impl Stack {
 
 /// The slab test of the children from `slot` on.
 #[inline(always)]
-fn enter<E: Real>(node: &Node, ray: &OneRay<E>, slot: usize) -> (E, E) {
+pub fn enter<E: Real>(node: &Node, ray: &OneRay<E>, slot: usize) -> (E, E) {
     let plane = |k: usize, upper: usize| E::load(&node.planes[2 * k + upper][slot..]);
-    let near = [0, 1, 2].each(|k| plane(k, ray.negative[k]));
-    let far = [0, 1, 2].each(|k| plane(k, 1 - ray.negative[k]));
+    let near = axes(|k| plane(k, ray.negative[k]));
+    let far = axes(|k| plane(k, 1 - ray.negative[k]));
     slab(near, far, ray.setup.origin, ray.setup.inverse)
 }
 
@@ -102,10 +101,10 @@ pub struct Lanes {
     direction: [[f32; 16]; 3],
     inverse: [[f32; 16]; 3],
     negative: [u32; 3],
-    axes: [[u32; 16]; 3],
+    order: [[u32; 16]; 3],
     shear_origin: [[f32; 16]; 3],
     shear_scale: [[f32; 16]; 3],
-    t_max: [f32; 16],
+    pub t_max: [f32; 16],
 }
 
 #[inline(always)]
@@ -124,31 +123,31 @@ impl Lanes {
             out
         };
         Self {
-            origin: setup.origin.each(spread),
-            direction: setup.direction.each(spread),
-            inverse: setup.inverse.each(spread),
-            negative: setup.negative.each(Mask::bits),
-            axes: setup.axes.each(spread_bits),
-            shear_origin: setup.shear.origin.each(spread),
-            shear_scale: setup.shear.scale.each(spread),
+            origin: axes(|k| spread(setup.origin[k])),
+            direction: axes(|k| spread(setup.direction[k])),
+            inverse: axes(|k| spread(setup.inverse[k])),
+            negative: axes(|k| setup.negative[k].bits()),
+            order: axes(|k| spread_bits(setup.order[k])),
+            shear_origin: axes(|k| spread(setup.shear.origin[k])),
+            shear_scale: axes(|k| spread(setup.shear.scale[k])),
             t_max: spread(t_max),
         }
     }
     #[inline(always)]
     pub fn ray<E: Real>(&self, i: usize) -> OneRay<E> {
-        let splat = |v: &[[f32; 16]; 3]| v.each_ref().each(|x| E::splat(x[i]));
-        let axes = self.axes.each(|k| k[i]);
-        let negative = self.negative.each(|bits| (bits >> i & 1) as usize);
+        let splat = |v: &[[f32; 16]; 3]| axes(|k| E::splat(v[k][i]));
+        let order = axes(|k| self.order[k][i]);
+        let negative = axes(|k| (self.negative[k] >> i & 1) as usize);
         OneRay {
             setup: RaySetup {
                 origin: splat(&self.origin),
                 direction: splat(&self.direction),
                 inverse: splat(&self.inverse),
-                negative: negative.each(|n| E::Mask::splat(n != 0)),
-                axes: axes.each(E::Bits::splat),
+                negative: axes(|k| E::Mask::splat(negative[k] != 0)),
+                order: axes(|k| E::Bits::splat(order[k])),
                 shear: crate::geometry::Shear { origin: splat(&self.shear_origin), scale: splat(&self.shear_scale) },
             },
-            axes: axes.each(|k| k as usize % 3),
+            order: axes(|k| order[k] as usize % 3),
             negative,
             t_max: self.t_max[i],
         }

@@ -4,7 +4,7 @@ use super::collapse::collapse;
 use super::node::{Child, Node};
 use super::{Preset, build};
 use crate::geometry::{Bounds, Hit, RaySetup};
-use crate::lane::Real;
+use crate::lane::{Bits, Mask, Real, axes};
 
 /// Nodes on the longest way down are at most this many (see [`collapse`]), so a walk never holds more than
 /// [`STACK`] entries: each node leaves at most seven behind, and is stored as eight.
@@ -17,16 +17,16 @@ pub trait Block: Copy + Send + Sync {
     fn closest_one<E: Real>(&self, ray: &OneRay<E>, best: &mut OneHit);
     fn any_one<E: Real>(&self, ray: &OneRay<E>, t_max: f32) -> bool;
     /// A packet against each in turn.
-    fn closest_packet<R: Real>(&self, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R);
-    fn any_packet<R: Real>(&self, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask;
+    fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R);
+    fn any_packet<R: Real>(&self, ray: &PacketRay<R>, t_max: R, active: R::Mask) -> R::Mask;
 }
 
 /// One ray in every lane of `E`, with what is uniform as plain numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct OneRay<E: Real> {
     pub setup: RaySetup<E>,
-    /// [`RaySetup::axes`].
-    pub axes: [usize; 3],
+    /// [`RaySetup::order`].
+    pub order: [usize; 3],
     /// 1 where the direction is negative.
     pub negative: [usize; 3],
     pub t_max: f32,
@@ -37,6 +37,45 @@ impl<E: Real> OneRay<E> {
     #[inline(always)]
     pub fn octant(&self) -> usize {
         self.negative[0] | self.negative[1] << 1 | self.negative[2] << 2
+    }
+}
+
+/// A packet, with what its active lanes have in common.
+#[derive(Clone, Copy, Debug)]
+pub struct PacketRay<'a, R: Real> {
+    pub setup: &'a RaySetup<R>,
+    /// [`RaySetup::order`], where all agree.
+    pub order: Option<[usize; 3]>,
+    /// By axis, is the direction negative? Where all agree.
+    pub negative: Option<[usize; 3]>,
+    /// Lanes whose order has, at each of its places, axis 1 and axis 2.
+    is_axis: [[R::Mask; 2]; 3],
+}
+
+impl<'a, R: Real> PacketRay<'a, R> {
+    #[inline(always)]
+    pub fn new(setup: &'a RaySetup<R>, active: R::Mask) -> Self {
+        let all = active.bits();
+        let first = all.trailing_zeros() as usize % R::WIDTH;
+        let is_axis = axes(|k| [setup.order[k].eq(R::Bits::splat(1)), setup.order[k].eq(R::Bits::splat(2))]);
+        let common = |mask: R::Mask| {
+            let bits = (mask & active).bits();
+            bits == 0 || bits == all
+        };
+        let ordered = (0..2).all(|k| common(is_axis[k][0]) && common(is_axis[k][1]));
+        let signed = (0..3).all(|k| common(setup.negative[k]));
+        Self {
+            setup,
+            order: ordered.then(|| axes(|k| setup.order[k].lane(first) as usize % 3)),
+            negative: signed.then(|| axes(|k| usize::from(setup.negative[k].lane(first)))),
+            is_axis,
+        }
+    }
+    /// The coordinate at place `k` of each lane's order.
+    #[inline(always)]
+    pub fn pick(&self, k: usize, p: [R; 3]) -> R {
+        let [is_y, is_z] = self.is_axis[k];
+        R::select(is_z, p[2], R::select(is_y, p[1], p[0]))
     }
 }
 

@@ -1,7 +1,6 @@
 //! The slab test (Kay & Kajiya 1986) and the boxes it is applied to.
 
 use crate::lane::Real;
-use crate::lane::array::Each;
 
 /// How far a primitive's own box exceeds the primitive on each side: 2⁻¹⁹.
 ///
@@ -36,7 +35,7 @@ impl Bounds {
     /// The own box of a sphere.
     #[inline]
     pub fn of_sphere(center: [f32; 3], radius: f32) -> Self {
-        Self { lo: center.each(|c| sphere_lo(c, radius)), hi: center.each(|c| sphere_hi(c, radius)) }
+        Self { lo: center.map(|c| sphere_lo(c, radius)), hi: center.map(|c| sphere_hi(c, radius)) }
     }
     /// The smallest box around both; exact.
     #[inline]

@@ -1,6 +1,6 @@
 //! The ray–sphere test.
 
-use crate::lane::Real;
+use crate::lane::{Real, axes};
 
 /// Distance per lane to the first crossing with t > 0: the near one from outside, the far one from inside. NaN or
 /// ≤ 0 where there is none.
@@ -12,11 +12,11 @@ use crate::lane::Real;
 pub fn intersect_sphere<R: Real>(origin: [R; 3], direction: [R; 3], center: [R; 3], radius: R) -> R {
     let zero = R::zero();
     let dot = |a: [R; 3], b: [R; 3]| a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]));
-    let f: [R; 3] = core::array::from_fn(|k| center[k] - origin[k]);
+    let f: [R; 3] = axes(|k| center[k] - origin[k]);
     let a = dot(direction, direction);
     let b = dot(f, direction);
     let along = b / a;
-    let across: [R; 3] = core::array::from_fn(|k| along.neg_mul_add(direction[k], f[k]));
+    let across: [R; 3] = axes(|k| along.neg_mul_add(direction[k], f[k]));
     let r2 = radius * radius;
     let c = dot(f, f) - r2;
     let inside = c.le(zero);

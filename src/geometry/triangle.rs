@@ -3,8 +3,7 @@
 
 use super::Ray;
 use super::slab::{own_hi, own_lo, slab};
-use crate::lane::array::Each;
-use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::lane::{Bits, Mask, Real, Vec3, axes};
 
 /// What the tests need of a ray, computed once per ray.
 #[derive(Clone, Copy, Debug)]
@@ -17,16 +16,24 @@ pub struct RaySetup<R: Real> {
     pub negative: [R::Mask; 3],
     /// Which axes are x, y and z of the sheared space: z is the longest (ties: the lower), x and y follow in order,
     /// swapped for a negative z to keep the winding.
-    pub axes: [R::Bits; 3],
+    pub order: [R::Bits; 3],
     pub shear: Shear<R>,
 }
 
-/// The transform that puts the ray on the z axis: origin and shear in the order of [`RaySetup::axes`].
+/// The transform that puts the ray on the z axis: origin and shear in the order of [`RaySetup::order`].
 #[derive(Clone, Copy, Debug)]
 pub struct Shear<R> {
     pub origin: [R; 3],
     /// d_x/d_z, d_y/d_z, 1/d_z.
     pub scale: [R; 3],
+}
+
+impl<R: Real> Shear<R> {
+    #[inline(always)]
+    fn apply(&self, p: [R; 3]) -> [R; 3] {
+        let [x, y, z] = axes(|k| p[k] - self.origin[k]);
+        [self.scale[0].neg_mul_add(z, x), self.scale[1].neg_mul_add(z, y), z]
+    }
 }
 
 /// Three vertices, three coordinates each.
@@ -37,7 +44,7 @@ impl<R: Real> RaySetup<R> {
     pub fn new(ray: &Ray<R>) -> Self {
         let origin = [ray.origin.x, ray.origin.y, ray.origin.z];
         let direction = [ray.direction.x, ray.direction.y, ray.direction.z];
-        let length = direction.each(R::abs);
+        let length = axes(|k| direction[k].abs());
         let y_longer = length[1].gt(length[0]);
         let z_longest = length[2].gt(length[1].max_or(length[0]));
         let axis = R::Bits::splat;
@@ -48,8 +55,8 @@ impl<R: Real> RaySetup<R> {
             let at = |k: usize| v[(k + r) % 3];
             R::select(z_longest, at(2), R::select(y_longer, at(1), at(0)))
         };
-        let d = [1, 2, 0].each(|r| rotated_real(direction, r));
-        let o = [1, 2, 0].each(|r| rotated_real(origin, r));
+        let d = axes(|k| rotated_real(direction, (k + 1) % 3));
+        let o = axes(|k| rotated_real(origin, (k + 1) % 3));
         let k = [
             rotated(axis(1), axis(2), axis(0)),
             rotated(axis(2), axis(0), axis(1)),
@@ -61,16 +68,16 @@ impl<R: Real> RaySetup<R> {
         Self {
             origin,
             direction,
-            inverse: direction.each(R::recip),
-            negative: direction.each(|d| sign_bit(d)),
-            axes: [R::Bits::select(swap, k[1], k[0]), R::Bits::select(swap, k[0], k[1]), k[2]],
+            inverse: axes(|k| direction[k].recip()),
+            negative: axes(|k| sign_bit(direction[k])),
+            order: [R::Bits::select(swap, k[1], k[0]), R::Bits::select(swap, k[0], k[1]), k[2]],
             shear: Shear { origin: o, scale: [d[0] / d[2], d[1] / d[2], d[2].recip()] },
         }
     }
     /// Bounds in the order (near, far) that this ray meets them.
     #[inline(always)]
     pub fn near_far(&self, lo: [R; 3], hi: [R; 3]) -> ([R; 3], [R; 3]) {
-        let pick = |a: [R; 3], b: [R; 3]| crate::lane::array::from_fn(|k| R::select(self.negative[k], a[k], b[k]));
+        let pick = |a: [R; 3], b: [R; 3]| axes(|k| R::select(self.negative[k], a[k], b[k]));
         (pick(hi, lo), pick(lo, hi))
     }
     /// [`slab`] of a box given per lane.
@@ -92,36 +99,34 @@ fn sign_bit<R: Real>(x: R) -> R::Mask {
 pub struct Edges<R: Real> {
     pub inside: R::Mask,
     /// Unnormalised weights of vertices 1 and 2, and the sum of all three.
-    weights: [R; 2],
-    sum: R,
+    pub weights: [R; 2],
+    pub sum: R,
     /// Along the ray's longest axis.
     depths: [R; 3],
 }
 
-/// The edge test: `None` where no lane of `active` passes. `v` is in the order of [`RaySetup::axes`].
+/// The edge test, `None` where no lane of `active` passes: see [`edges`].
+#[inline(always)]
+pub fn pass_edges<R: Real>(shear: &Shear<R>, v: Vertices<R>, active: R::Mask) -> Option<Edges<R>> {
+    let edges = edges(shear, v, active);
+    if edges.inside.none() { None } else { Some(edges) }
+}
+
+/// The edge test. `v` is in the order of [`RaySetup::order`].
 ///
 /// The products of an edge function are plain: shared edges then give exactly opposite values, and monotone rounding
 /// never flips a sign, so no ray passes between two triangles. (One fused multiply-add there loses 4.5 % of edge hits.)
 /// Zero counts as inside.
 #[inline(always)]
-pub fn pass_edges<R: Real>(shear: &Shear<R>, v: Vertices<R>, active: R::Mask) -> Option<Edges<R>> {
-    let [ox, oy, oz] = shear.origin;
-    let [sx, sy, _] = shear.scale;
-    let moved = |p: [R; 3]| {
-        let z = p[2] - oz;
-        [sx.neg_mul_add(z, p[0] - ox), sy.neg_mul_add(z, p[1] - oy), z]
-    };
-    let (a, b, c) = (moved(v[0]), moved(v[1]), moved(v[2]));
+pub fn edges<R: Real>(shear: &Shear<R>, v: Vertices<R>, active: R::Mask) -> Edges<R> {
+    let (a, b, c) = (shear.apply(v[0]), shear.apply(v[1]), shear.apply(v[2]));
     let edge0 = c[0] * b[1] - c[1] * b[0];
     let edge1 = a[0] * c[1] - a[1] * c[0];
     let edge2 = b[0] * a[1] - b[1] * a[0];
     let least = edge0.min_or(edge1).min_or(edge2);
     let most = edge0.max_or(edge1).max_or(edge2);
     let inside = (least.ge(R::zero()) | most.le(R::zero())) & active;
-    if inside.none() {
-        return None;
-    }
-    Some(Edges { inside, weights: [edge1, edge2], sum: (edge0 + edge1) + edge2, depths: [a[2], b[2], c[2]] })
+    Edges { inside, weights: [edge1, edge2], sum: (edge0 + edge1) + edge2, depths: [a[2], b[2], c[2]] }
 }
 
 impl<R: Real> Edges<R> {
@@ -131,19 +136,26 @@ impl<R: Real> Edges<R> {
         (self.weights[0] / self.sum, self.weights[1] / self.sum)
     }
 
+    /// [`Edges::distances`], `None` where no lane has one.
+    #[inline(always)]
+    pub fn distance(&self, setup: &RaySetup<R>, v0: [R; 3], normal: [R; 3], t_best: R) -> Option<(R::Mask, R)> {
+        let (mask, t) = self.distances(setup, v0, normal, t_best);
+        if mask.none() { None } else { Some((mask, t)) }
+    }
+
     /// Distances to the plane through `v0` with [`plane_normal`] `normal` (both in world order), and the lanes where they
-    /// are > 0 and ≤ `t_best`. `None` where there is none.
+    /// are > 0 and ≤ `t_best`.
     ///
     /// Not Woop's sum of weighted depths: the weights of a sliver carry an error of ε·length²/area, and with it t, so that
     /// rays hit the sliver they leave. The plane of a triangle is sure to ε·length wherever the triangle is, however
     /// thin. Where it is seen edge-on t is not, and is held to what the vertices' own depths allow: with all of them ahead
     /// nothing is lost, and else (the origin is beside the triangle) a crossing at more than twice the farthest is none.
     #[inline(always)]
-    pub fn distance(&self, setup: &RaySetup<R>, v0: [R; 3], normal: [R; 3], t_best: R) -> Option<(R::Mask, R)> {
+    pub fn distances(&self, setup: &RaySetup<R>, v0: [R; 3], normal: [R; 3], t_best: R) -> (R::Mask, R) {
         let zero = R::zero();
-        let to_plane = dot(normal, crate::lane::array::from_fn(|k| v0[k] - setup.origin[k]));
+        let to_plane = dot(normal, axes(|k| v0[k] - setup.origin[k]));
         let plane = to_plane / dot(normal, setup.direction);
-        let vertices = self.depths.each(|z| setup.shear.scale[2] * z);
+        let vertices = axes(|k| setup.shear.scale[2] * self.depths[k]);
         let first = vertices[0].min_or(vertices[1]).min_or(vertices[2]);
         let last = vertices[0].max_or(vertices[1]).max_or(vertices[2]);
         let ahead = first.gt(zero);
@@ -151,7 +163,7 @@ impl<R: Real> Edges<R> {
         // A plane without a normal is NaN: the nearest vertex is then as good a guess as any.
         let t = R::select(ahead, plane.max_or(first), plane).min_or(last);
         let mask = self.inside & (ahead | crosses) & t.le(t_best) & !self.sum.eq(zero);
-        if mask.none() { None } else { Some((mask, t)) }
+        (mask, t)
     }
 }
 
@@ -171,8 +183,5 @@ pub fn plane_normal<R: Real>(v: Vertices<R>) -> [R; 3] {
 /// The own box of a triangle per lane, from vertices in world order.
 #[inline(always)]
 pub fn own_box<R: Real>(v: Vertices<R>) -> ([R; 3], [R; 3]) {
-    (
-        crate::lane::array::from_fn(|k| own_lo(v[0][k], v[1][k], v[2][k])),
-        crate::lane::array::from_fn(|k| own_hi(v[0][k], v[1][k], v[2][k])),
-    )
+    (axes(|k| own_lo(v[0][k], v[1][k], v[2][k])), axes(|k| own_hi(v[0][k], v[1][k], v[2][k])))
 }

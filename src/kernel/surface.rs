@@ -25,11 +25,9 @@ impl<R: Real> Surface<R> {
     pub fn at(world: &World, ray: &Ray<R>, hit: &Hit<R>, active: R::Mask) -> Self {
         let mut on_sphere = R::Mask::splat(false);
         if world.plan.spheres {
-            let mut bits = 0;
-            for lane in 0..R::WIDTH {
-                bits |= u32::from(hit.primitive.lane(lane) >= world.triangle_count) << lane;
-            }
-            on_sphere = R::Mask::from_bits(bits) & active;
+            // Primitives are fewer than 2³¹: the difference is negative for triangles.
+            let past_triangles = hit.primitive - R::Bits::splat(world.triangle_count);
+            on_sphere = past_triangles.shr::<31>().eq(R::Bits::splat(0)) & active;
         }
         let on_triangle = active & !on_sphere;
         let triangle = world.triangles.fetch::<R>(hit.primitive, on_triangle);

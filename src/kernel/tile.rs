@@ -29,6 +29,9 @@ impl Job {
     }
 }
 
+/// The largest number of lanes.
+const MAX_WIDTH: usize = 16;
+
 /// What each sample of a job found, one slot a sample.
 #[derive(Default)]
 pub struct SampleBuffer {
@@ -48,8 +51,13 @@ impl SampleBuffer {
 
     #[inline(always)]
     pub fn write<R: Real>(&mut self, slot: R::Bits, rgb: Vec3<R>, mask: R::Mask) {
+        let (mut slots, mut values) = ([0; MAX_WIDTH], [[0.0; MAX_WIDTH]; 3]);
+        slot.store(&mut slots);
+        rgb.x.store(&mut values[0]);
+        rgb.y.store(&mut values[1]);
+        rgb.z.store(&mut values[2]);
         for lane in lanes_of(mask.bits()) {
-            self.rgb[slot.lane(lane) as usize] = rgb.lane(lane);
+            self.rgb[slots[lane] as usize] = [values[0][lane], values[1][lane], values[2][lane]];
         }
     }
 
@@ -145,17 +153,23 @@ impl<'a, R: Real> CameraQueue<'a, R> {
             return;
         }
         let mut alive = paths.alive.bits();
-        let free = !alive & (u32::MAX >> (32 - R::WIDTH as u32));
-        for lane in lanes_of(free) {
+        let mut free = !alive & (u32::MAX >> (32 - R::WIDTH as u32));
+        while free != 0 {
             if self.left == 0 {
                 self.ready = self.next_packet::<T::Camera>(T::PRETRACED);
                 self.left = self.ready.as_ref().map_or(0, |packet| packet.active.bits());
             }
             let Some(packet) = &self.ready else { break };
-            let from = self.left.trailing_zeros() as usize;
-            self.left &= self.left - 1;
-            packet.give(from, paths, lane);
-            alive |= 1 << lane;
+            // Free lanes and waiting samples are paired in order.
+            let (mut from, mut taken) = ([0; MAX_WIDTH], 0);
+            for lane in lanes_of(free).take(self.left.count_ones() as usize) {
+                from[lane] = self.left.trailing_zeros();
+                self.left &= self.left - 1;
+                taken |= 1 << lane;
+            }
+            packet.give(R::Mask::from_bits(taken), R::Bits::load(&from), paths);
+            free &= !taken;
+            alive |= taken;
         }
         paths.alive = R::Mask::from_bits(alive);
     }
@@ -194,22 +208,29 @@ impl<'a, R: Real> CameraQueue<'a, R> {
 }
 
 impl<R: Real> CameraPacket<R> {
-    /// Starts the path of lane `from` in lane `to`.
+    /// Starts, in the lanes of `mask`, the paths of the lanes `from`.
     #[inline(always)]
-    fn give(&self, from: usize, paths: &mut Paths<R>, to: usize) {
-        paths.ray.origin.set_lane(to, self.ray.origin.lane(from));
-        paths.ray.direction.set_lane(to, self.ray.direction.lane(from));
-        paths.ray.t_max.set_lane(to, self.ray.t_max.lane(from));
-        paths.hit.t.set_lane(to, self.hit.t.lane(from));
-        paths.hit.u.set_lane(to, self.hit.u.lane(from));
-        paths.hit.v.set_lane(to, self.hit.v.lane(from));
-        paths.hit.primitive.set_lane(to, self.hit.primitive.lane(from));
-        paths.rng.copy_lane(to, &self.rng, from);
-        paths.beta.set_lane(to, [1.0; 3]);
-        paths.radiance.set_lane(to, [0.0; 3]);
-        paths.bsdf_pdf.set_lane(to, f32::INFINITY);
-        paths.eta_squared.set_lane(to, 1.0);
-        paths.bounce.set_lane(to, 0.0);
-        paths.slot.set_lane(to, self.slot.lane(from));
+    fn give(&self, mask: R::Mask, from: R::Bits, paths: &mut Paths<R>) {
+        let put = |to: &mut R, value: R| *to = R::select(mask, value, *to);
+        let put_bits =
+            |to: &mut R::Bits, v: R::Bits| *to = R::Bits::select(mask, R::from_bits(v).permute(from).to_bits(), *to);
+        let put_all = |to: &mut Vec3<R>, value: Vec3<R>| *to = Vec3::select(mask, value, *to);
+        let direction = &self.ray.direction;
+        put_all(&mut paths.ray.origin, self.ray.origin);
+        put(&mut paths.ray.direction.x, direction.x.permute(from));
+        put(&mut paths.ray.direction.y, direction.y.permute(from));
+        put(&mut paths.ray.direction.z, direction.z.permute(from));
+        put(&mut paths.ray.t_max, R::splat(f32::INFINITY));
+        put(&mut paths.hit.t, self.hit.t.permute(from));
+        put(&mut paths.hit.u, self.hit.u.permute(from));
+        put(&mut paths.hit.v, self.hit.v.permute(from));
+        put_bits(&mut paths.hit.primitive, self.hit.primitive);
+        put_bits(&mut paths.slot, self.slot);
+        paths.rng.take_lanes(mask, &self.rng, from);
+        put_all(&mut paths.beta, Vec3::all(R::one()));
+        put_all(&mut paths.radiance, Vec3::zero());
+        put(&mut paths.bsdf_pdf, R::splat(f32::INFINITY));
+        put(&mut paths.eta_squared, R::one());
+        put(&mut paths.bounce, R::zero());
     }
 }

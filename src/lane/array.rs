@@ -15,17 +15,8 @@ pub fn from_fn<const N: usize, B: Copy>(mut f: impl FnMut(usize) -> B) -> [B; N]
     out
 }
 
-/// [`Each::each`] for arrays.
-pub trait Each<A> {
-    type Of<B>;
-    /// `[f(a[0]), f(a[1]), …]`.
-    fn each<B: Copy>(self, f: impl FnMut(A) -> B) -> Self::Of<B>;
-}
-
-impl<A: Copy, const N: usize> Each<A> for [A; N] {
-    type Of<B> = [B; N];
-    #[inline(always)]
-    fn each<B: Copy>(self, mut f: impl FnMut(A) -> B) -> [B; N] {
-        from_fn(|i| f(self[i]))
-    }
+/// `[f(a[0]), f(a[1]), …]`.
+#[inline(always)]
+pub fn map<const N: usize, A: Copy, B: Copy>(a: [A; N], mut f: impl FnMut(A) -> B) -> [B; N] {
+    from_fn(|i| f(a[i]))
 }

@@ -17,7 +17,8 @@ mod width1;
 mod width16;
 mod width8;
 
-pub use vec3::Vec3;
+pub use shuffle::prefetch;
+pub use vec3::{Vec3, axes};
 pub use wide::{f32x8, f32x16};
 use wide_impl::{MaskOps, reinterpret, wide_lanes, wide_masks};
 
@@ -74,7 +75,7 @@ pub trait Bits:
     /// Lane `i` is `f(i)`.
     fn from_fn(f: impl FnMut(usize) -> u32) -> Self;
     /// Lane `i`.
-    fn lane(self, i: usize) -> u32;
+    fn lane(&self, i: usize) -> u32;
     /// Replaces lane `i`.
     fn set_lane(&mut self, i: usize, value: u32);
     /// Reads as many values as there are lanes. Panics if `slice` is shorter.
@@ -123,7 +124,7 @@ pub trait Real:
     /// Writes `WIDTH` values. Panics if `slice` is shorter.
     fn store(self, slice: &mut [f32]);
     /// Lane `i`.
-    fn lane(self, i: usize) -> f32;
+    fn lane(&self, i: usize) -> f32;
     /// Replaces lane `i`.
     fn set_lane(&mut self, i: usize, value: f32);
 

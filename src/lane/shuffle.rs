@@ -1,7 +1,7 @@
 //! What moves values between lanes without computing on them: permute, compress, rows to lanes.
 
 use super::Real;
-use super::array::Each;
+use super::array::map;
 use wide::{f32x8, f32x16, u32x8, u32x16};
 
 /// Lanes 0 … 7 of row `index[i]`, transposed eight columns at a time.
@@ -16,7 +16,7 @@ pub fn rows8<const N: usize>(table: &[[f32; N]], index: [u32; 8]) -> [f32x8; N] 
         first += 8;
     }
     if first + 4 <= N {
-        out[first..first + 4].copy_from_slice(&four_columns(rows.each(|row| quad(&row[first..first + 4]))));
+        out[first..first + 4].copy_from_slice(&four_columns(map(rows, |row| quad(&row[first..first + 4]))));
         first += 4;
     }
     for (column, values) in out.iter_mut().enumerate().skip(first) {
@@ -80,7 +80,7 @@ pub fn lookup4_8(table: &[f32; 4], index: u32x8) -> f32x8 {
         f32x8::from(_mm256_permutevar_ps(row, index.into()))
     }
     #[cfg(not(target_feature = "avx2"))]
-    f32x8::new(index.to_array().each(|i| table[i as usize & 3]))
+    f32x8::new(map(index.to_array(), |i| table[i as usize & 3]))
 }
 
 /// Lane `i` is `table[index[i] & 3]`.
@@ -113,7 +113,7 @@ pub fn permute8(v: f32x8, index: u32x8) -> f32x8 {
     #[cfg(not(target_feature = "avx2"))]
     {
         let lanes = v.to_array();
-        f32x8::new(index.to_array().each(|i| lanes[i as usize & 7]))
+        f32x8::new(map(index.to_array(), |i| lanes[i as usize & 7]))
     }
 }
 
@@ -129,7 +129,7 @@ pub fn permute16(v: f32x16, index: u32x16) -> f32x16 {
     #[cfg(not(target_feature = "avx512f"))]
     {
         let lanes = v.to_array();
-        f32x16::new(index.to_array().each(|i| lanes[i as usize & 15]))
+        f32x16::new(map(index.to_array(), |i| lanes[i as usize & 15]))
     }
 }
 
@@ -164,7 +164,7 @@ pub fn compress8(v: f32x8, bits: u32) -> f32x8 {
     #[cfg(not(all(target_feature = "avx512f", target_feature = "avx512vl")))]
     {
         let bytes = COMPRESSION[bits as usize & 255].to_le_bytes();
-        permute8(v, u32x8::new(bytes.each(u32::from)))
+        permute8(v, u32x8::new(map(bytes, u32::from)))
     }
 }
 
@@ -203,4 +203,17 @@ pub fn extreme8(v: f32x8, better: impl Fn(f32x8, f32x8) -> f32x8) -> f32 {
 pub fn extreme16(v: f32x16, better: impl Fn(f32x8, f32x8) -> f32x8) -> f32 {
     let [low, high] = split(v);
     extreme8(better(low, high), better)
+}
+
+/// Starts to bring what is at `pointer` into the caches; any pointer will do, nothing is read.
+#[inline(always)]
+pub fn prefetch<T>(pointer: *const T) {
+    #[cfg(target_arch = "x86_64")]
+    for line in (0..size_of::<T>()).step_by(64) {
+        // SAFETY: a prefetch is a hint; it neither faults nor changes anything, whatever the address.
+        unsafe {
+            use core::arch::x86_64::*;
+            _mm_prefetch::<_MM_HINT_T0>(pointer.cast::<i8>().wrapping_add(line));
+        }
+    }
 }

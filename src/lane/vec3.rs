@@ -92,7 +92,7 @@ impl<R: Real> Vec3<R> {
         Self::new(self.x.masked(mask), self.y.masked(mask), self.z.masked(mask))
     }
     #[inline(always)]
-    pub fn lane(self, i: usize) -> [f32; 3] {
+    pub fn lane(&self, i: usize) -> [f32; 3] {
         [self.x.lane(i), self.y.lane(i), self.z.lane(i)]
     }
     #[inline(always)]
@@ -109,6 +109,13 @@ impl<R: Real> Vec3<R> {
         }
         v
     }
+}
+
+/// `[f(0), f(1), f(2)]`: one value per axis. Unlike `array::map` and `from_fn` it is always inlined, which keeps
+/// registers from going through memory.
+#[inline(always)]
+pub fn axes<T>(mut f: impl FnMut(usize) -> T) -> [T; 3] {
+    [f(0), f(1), f(2)]
 }
 
 /// `a·b − c·d` with at most 1.5 ulp of error (Kahan; Jeannerod, Louvet, Muller 2013).

@@ -29,8 +29,8 @@ macro_rules! wide_lanes {
                 $u::new(crate::lane::array::from_fn(f))
             }
             #[inline(always)]
-            fn lane(self, i: usize) -> u32 {
-                self.to_array()[i]
+            fn lane(&self, i: usize) -> u32 {
+                self.as_array()[i]
             }
             #[inline(always)]
             fn set_lane(&mut self, i: usize, value: u32) {
@@ -97,8 +97,8 @@ macro_rules! wide_lanes {
                 slice[..$width].copy_from_slice(&self.to_array());
             }
             #[inline(always)]
-            fn lane(self, i: usize) -> f32 {
-                self.to_array()[i]
+            fn lane(&self, i: usize) -> f32 {
+                self.as_array()[i]
             }
             #[inline(always)]
             fn set_lane(&mut self, i: usize, value: f32) {

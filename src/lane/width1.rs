@@ -53,7 +53,7 @@ impl Bits for U32x1 {
         Self(f(0))
     }
     #[inline(always)]
-    fn lane(self, _: usize) -> u32 {
+    fn lane(&self, _: usize) -> u32 {
         self.0
     }
     #[inline(always)]
@@ -117,8 +117,8 @@ impl Real for f32 {
         slice[0] = self;
     }
     #[inline(always)]
-    fn lane(self, _: usize) -> f32 {
-        self
+    fn lane(&self, _: usize) -> f32 {
+        *self
     }
     #[inline(always)]
     fn set_lane(&mut self, _: usize, value: f32) {

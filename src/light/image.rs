@@ -1,7 +1,7 @@
 //! A latitude-longitude image: looking it up, and sampling directions in proportion to what the look-up returns.
 
 use super::density::{Density, Shape};
-use crate::lane::array::Each;
+use crate::lane::array::map;
 use crate::lane::math::{atan2, sincos_2pi};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::scene::EnvironmentImage;
@@ -87,7 +87,7 @@ impl ImageMap {
         let cell = self.density.choose(u_choice, u);
         let mut place = Place { column: cell.column, row: cell.row, south: cell.south, x: cell.x, y: cell.y };
         let corners = self.corners(&place);
-        let [near, far] = corners.weight.each(|[left, right]| left + right);
+        let [near, far] = map(corners.weight, |[left, right]| left + right);
         place.y = invert_linear(place.y, near, far);
         let mix = |side: usize| lerp(corners.weight[0][side], corners.weight[1][side], place.y);
         place.x = invert_linear(place.x, mix(0), mix(1));
@@ -163,7 +163,7 @@ impl ImageMap {
         }
         // Nothing is lost towards a pole, where sin θ takes the weight to 0 whatever the radiance.
         let inner = !place.is_polar();
-        weight[0] = weight[0].each(|w| w.masked(inner));
+        weight[0] = map(weight[0], |w| w.masked(inner));
         Corners { radiance, weight }
     }
 }
@@ -178,7 +178,7 @@ impl<R: Real> Place<R> {
 impl<R: Real> Corners<R> {
     #[inline(always)]
     fn radiance_at(&self, place: &Place<R>) -> Vec3<R> {
-        let [near, far] = self.radiance.each(|[left, right]| {
+        let [near, far] = map(self.radiance, |[left, right]| {
             Vec3::new(lerp(left.x, right.x, place.x), lerp(left.y, right.y, place.x), lerp(left.z, right.z, place.x))
         });
         Vec3::new(lerp(near.x, far.x, place.y), lerp(near.y, far.y, place.y), lerp(near.z, far.z, place.y))
@@ -186,7 +186,7 @@ impl<R: Real> Corners<R> {
 
     #[inline(always)]
     fn weight_at(&self, place: &Place<R>) -> R {
-        let [near, far] = self.weight.each(|[left, right]| lerp(left, right, place.x));
+        let [near, far] = map(self.weight, |[left, right]| lerp(left, right, place.x));
         lerp(near, far, place.y)
     }
 }

@@ -24,7 +24,7 @@ pub struct BenchRaysArgs {
     /// Numbers of pinned threads
     #[arg(long, value_delimiter = ',', default_value = "1")]
     pub threads: Vec<usize>,
-    /// auto (what the kernel would use), brute, single, packet
+    /// auto (what the kernel would use), brute, single, packet, stream
     #[arg(long, value_delimiter = ',', default_value = "auto")]
     pub modes: Vec<TraceMode>,
     /// Timed passes over each set, after one that is not timed
@@ -42,6 +42,7 @@ pub enum TraceMode {
     Brute,
     Single,
     Packet,
+    Stream,
 }
 
 /// Everything that was measured.
@@ -137,12 +138,13 @@ fn check(args: &BenchRaysArgs) -> Result<(), BenchRaysError> {
     Ok(())
 }
 
-/// Packets for rays that left one point together, single rays once they have parted; no tree for a handful.
+/// Packets for rays that left one point together and for short any-hit rays, a stream once they have parted; no tree for
+/// a handful of triangles, unless a packet's box tests drop most of them at once.
 fn resolve(mode: TraceMode, triangles: usize, rays: &RaySet) -> TraceMode {
     match mode {
+        TraceMode::Auto if rays.coherent || rays.any => TraceMode::Packet,
         TraceMode::Auto if triangles <= BRUTE_LIMIT => TraceMode::Brute,
-        TraceMode::Auto if rays.coherent => TraceMode::Packet,
-        TraceMode::Auto => TraceMode::Single,
+        TraceMode::Auto => TraceMode::Stream,
         named => named,
     }
 }

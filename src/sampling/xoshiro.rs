@@ -32,11 +32,12 @@ impl<R: Real> Xoshiro<R> {
         }
     }
 
-    /// Lane `to` goes on where lane `from` of `other` is.
+    /// Lanes in `mask` go on where lane `from` of `other` is.
     #[inline(always)]
-    pub fn copy_lane(&mut self, to: usize, other: &Self, from: usize) {
-        for (state, theirs) in self.s.iter_mut().zip(other.s) {
-            state.set_lane(to, theirs.lane(from));
+    pub fn take_lanes(&mut self, mask: R::Mask, other: &Self, from: R::Bits) {
+        for k in 0..4 {
+            let theirs = R::from_bits(other.s[k]).permute(from).to_bits();
+            self.s[k] = R::Bits::select(mask, theirs, self.s[k]);
         }
     }
 

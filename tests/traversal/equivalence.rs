@@ -1,7 +1,7 @@
 //! The same bits in every mode, at every width, with any tree, whatever the other lanes hold.
 
 use super::support::*;
-use octolux::accel::{Accel, Brute, Packet, Preset, Single};
+use octolux::accel::{Accel, Brute, Packet, Preset, Single, Stream};
 use octolux::geometry::MISS;
 use octolux::lane::{Real, f32x8, f32x16};
 
@@ -89,6 +89,8 @@ fn dead_lanes_report_a_miss_and_change_nothing() {
     check("brute 16", ask::<f32x16, Brute>(&accel, &broken, |i| !dead[i]));
     check("single 1", ask::<f32, Single>(&accel, &broken, |i| !dead[i]));
     check("single 16", ask::<f32x16, Single>(&accel, &broken, |i| !dead[i]));
+    check("stream 8", ask::<f32x8, Stream>(&accel, &broken, |i| !dead[i]));
+    check("stream 16", ask::<f32x16, Stream>(&accel, &broken, |i| !dead[i]));
     check("packet 8", ask::<f32x8, Packet>(&accel, &broken, |i| !dead[i]));
     check("packet 16", ask::<f32x16, Packet>(&accel, &broken, |i| !dead[i]));
 }

@@ -1,6 +1,7 @@
 //! Hits: against independent arithmetic, between modes, widths and trees, and at the edges of the format.
 
 mod adversarial;
+mod bench_rays;
 mod equivalence;
 mod reference;
 mod spawn;

@@ -1,6 +1,6 @@
 //! Random scenes and rays, and one way to ask every mode at every width.
 
-use octolux::accel::{Accel, Brute, BuildOptions, Mode, Packet, Preset, Single};
+use octolux::accel::{Accel, Brute, BuildOptions, Mode, Packet, Preset, Single, Stream};
 use octolux::geometry::{MISS, Ray};
 use octolux::lane::{Bits, Mask, Real, Vec3, f32x8, f32x16};
 use rand_xoshiro::Xoshiro128PlusPlus;
@@ -115,6 +115,9 @@ pub fn ask_all(accels: &[&Accel], rays: &[OneRay]) -> Vec<(Found, bool)> {
         same(&format!("tree {k} single 1"), ask::<f32, Single>(accel, rays, |_| true));
         same(&format!("tree {k} single 8"), ask::<f32x8, Single>(accel, rays, |_| true));
         same(&format!("tree {k} single 16"), ask::<f32x16, Single>(accel, rays, |_| true));
+        same(&format!("tree {k} stream 1"), ask::<f32, Stream>(accel, rays, |_| true));
+        same(&format!("tree {k} stream 8"), ask::<f32x8, Stream>(accel, rays, |_| true));
+        same(&format!("tree {k} stream 16"), ask::<f32x16, Stream>(accel, rays, |_| true));
         same(&format!("tree {k} packet 1"), ask::<f32, Packet>(accel, rays, |_| true));
         same(&format!("tree {k} packet 8"), ask::<f32x8, Packet>(accel, rays, |_| true));
         same(&format!("tree {k} packet 16"), ask::<f32x16, Packet>(accel, rays, |_| true));

@@ -2,7 +2,7 @@
 
 use super::files::RaySet;
 use super::{SetReport, TraceMode};
-use crate::accel::{Accel, Brute, Mode, Packet, Single};
+use crate::accel::{Accel, Brute, Mode, Packet, Single, Stream};
 use crate::geometry::{MISS, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3, f32x8, f32x16};
 use crate::process::{allowed_cores, pin_to_core, thread_cpu_seconds};
@@ -70,6 +70,7 @@ fn pass(mode: TraceMode, lanes: usize) -> Pass {
     match mode {
         TraceMode::Brute => at::<Brute>(lanes),
         TraceMode::Packet => at::<Packet>(lanes),
+        TraceMode::Stream => at::<Stream>(lanes),
         TraceMode::Single | TraceMode::Auto => at::<Single>(lanes),
     }
 }
