@@ -33,7 +33,7 @@ fn enclosures_cut_at_n_bounces() {
         cases.push((case.id, reflectance, bounces, case.value));
     }
     for (name, reflectance, bounces, expected) in cases {
-        let film = render(&enclosure(reflectance, 1.0, bounces).finish(), 2048 / u64::from(bounces + 8));
+        let film = render(&enclosure(reflectance, 1.0, bounces).finish(), 16_384 / u64::from(bounces + 8));
         assert_image_mean(&name, &film, [expected; 3], rounding(expected, bounces), TESTS);
     }
 }
@@ -53,7 +53,7 @@ fn bounces_are_counted_to_the_letter() {
         assert_eq!(emission_only.mean(x, y), [1.0; 3]);
     }
     for (bounces, expected) in [(1, 1.5), (2, 1.75), (3, 1.875)] {
-        let film = render(&enclosure(0.5, 1.0, bounces).finish(), 512);
+        let film = render(&enclosure(0.5, 1.0, bounces).finish(), 4096);
         assert_image_mean(&format!("{bounces} bounces"), &film, [expected; 3], rounding(expected, bounces), TESTS);
     }
     // `direct` is a path of one bounce, bit for bit.
@@ -66,7 +66,7 @@ fn bounces_are_counted_to_the_letter() {
 #[test]
 fn isothermal_rooms() {
     for (reflectance, bounces) in [(0.5f32, 4u32), (0.8, 3), (0.25, 12)] {
-        let film = render(&enclosure(reflectance, 1.0 - reflectance, bounces).finish(), 256);
+        let film = render(&enclosure(reflectance, 1.0 - reflectance, bounces).finish(), 2048);
         let expected = 1.0 - f64::from(reflectance).powi(bounces as i32 + 1);
         let name = format!("isothermal, ρ = {reflectance}, {bounces} bounces");
         assert_image_mean(&name, &film, [expected; 3], rounding(expected, bounces), TESTS);
@@ -79,7 +79,7 @@ fn isothermal_room_as_shipped() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/isothermal/scene.toml");
     let mut scene = scene::load(&path).expect("the scene loads");
     scene.film = FilmSize { width: 48, height: 48 };
-    assert_image_mean("scenes/isothermal", &render(&scene, 128), [1.0; 3], rounding(1.0, 64), TESTS);
+    assert_image_mean("scenes/isothermal", &render(&scene, 512), [1.0; 3], rounding(1.0, 64), TESTS);
 }
 
 /// A sphere seen from inside, cut by a plane that emits and does not reflect. The plane fills the solid angle that the
@@ -100,6 +100,6 @@ fn sphere_with_an_emitting_cap() {
         // The plane's rim is where it and the sphere are closer than a ray's offset (1e-6 of the sphere's radius).
         let rim = expected * 2e-6 / (2.0 * share);
         let name = format!("cap of {share:.3}, ρ = {reflectance}, {bounces} bounces");
-        assert_image_mean(&name, &render(&set.finish(), 256), [expected; 3], rounding(expected, bounces) + rim, TESTS);
+        assert_image_mean(&name, &render(&set.finish(), 2048), [expected; 3], rounding(expected, bounces) + rim, TESTS);
     }
 }

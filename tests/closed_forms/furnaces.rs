@@ -33,7 +33,7 @@ fn lambert_shows_its_reflectance() {
     for id in ["C.furnace_lambert_0", "C.furnace_lambert_0.18", "C.furnace_lambert_0.5", "C.furnace_lambert_0.8"] {
         let Some(case) = stats::oracle(id) else { return };
         let bsdf = Bsdf::Diffuse { reflectance: [case.value as f32; 3] };
-        let film = renders::film(&renders::world(&close_up(bsdf, 7).finish(), SEED), 1024);
+        let film = renders::film(&renders::world(&close_up(bsdf, 7).finish(), SEED), 4096);
         assert_image_mean(id, &film, [case.value; 3], rounding(case.value, 1), TESTS);
     }
 }
@@ -59,7 +59,7 @@ fn rough_metal_loses_what_it_scatters_twice() {
     let cases = [(0.2, 0.96557, 0.96634), (0.5, 0.87740, 0.88187), (1.0, 0.75446, 0.76779)];
     for (alpha, separable, correlated) in cases {
         for (masking, expected) in [(Masking::Separable, separable), (Masking::Correlated, correlated)] {
-            let film = furnace(metal(alpha, masking, [1.0; 3]), 7, 512);
+            let film = furnace(metal(alpha, masking, [1.0; 3]), 7, 2048);
             assert_image_mean(&format!("GGX α {alpha} {masking:?}"), &film, [expected; 3], 0.5e-5, TESTS);
         }
     }
@@ -68,7 +68,7 @@ fn rough_metal_loses_what_it_scatters_twice() {
 #[test]
 fn rough_glass_loses_what_it_scatters_twice() {
     for (masking, expected) in [(Masking::Separable, 0.81919), (Masking::Correlated, 0.82480)] {
-        let film = furnace(Bsdf::Dielectric { alpha: 0.5, masking, ior: 1.5 }, 63, 512);
+        let film = furnace(Bsdf::Dielectric { alpha: 0.5, masking, ior: 1.5 }, 63, 2048);
         assert_image_mean(&format!("rough glass {masking:?}"), &film, [expected; 3], 0.5e-5, TESTS);
     }
 }
@@ -77,7 +77,7 @@ fn rough_glass_loses_what_it_scatters_twice() {
 #[test]
 fn smooth_glass_is_invisible() {
     for ior in [1.1, 1.5, 2.4, 0.75] {
-        let film = furnace(Bsdf::Dielectric { alpha: 0.0, masking: Masking::Correlated, ior }, 400, 64);
+        let film = furnace(Bsdf::Dielectric { alpha: 0.0, masking: Masking::Correlated, ior }, 400, 256);
         assert_image_mean(&format!("glass, index {ior}"), &film, [1.0; 3], rounding(1.0, 10), TESTS);
     }
 }

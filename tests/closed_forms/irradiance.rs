@@ -8,7 +8,7 @@ use crate::stats;
 type Point = [f64; 3];
 
 const SIDE: u32 = 8;
-const SAMPLES: u64 = 2048;
+const SAMPLES: u64 = 16_384;
 
 /// What the receiver at `at` (normal +z) reflects towards a camera that comes in so low that no light stands between,
 /// of irradiance 1/π for each unit it shows. `light` puts emitters of the given material into the scene.

@@ -23,7 +23,7 @@ fn mirrors(reflectance: f32, bounces: u32, samples: u64) -> Film {
 
 #[test]
 fn mean_and_variance_of_roulette() {
-    const SAMPLES: u64 = 256;
+    const SAMPLES: u64 = 1024;
     for reflectance in [0.8f32, 0.5, 0.9] {
         let film = mirrors(reflectance, 300, SAMPLES);
         let rho = f64::from(reflectance);

@@ -16,7 +16,7 @@ fn slab_of_glass() {
         let lamp = set.grey(0.0, 1.0);
         set.block(glass, [-20.0, -20.0, 0.0], [20.0, 20.0, 1.0]);
         set.quad(lamp, [[-40.0, -40.0, -0.5], [40.0, -40.0, -0.5], [40.0, 40.0, -0.5], [-40.0, 40.0, -0.5]]);
-        let film = renders::film(&renders::world(&set.finish(), 15), 1024);
+        let film = renders::film(&renders::world(&set.finish(), 15), 8192);
         // The view is a cone of .01°: T changes by less than 1e-4 across it, and evenly.
         assert_image_mean(id, &film, [case.value; 3], 1e-6, TESTS);
     }
@@ -32,7 +32,7 @@ fn silhouette_of_a_sphere() {
     let any = set.grey(0.5, 0.0);
     let (s, c) = 30f64.to_radians().sin_cos();
     set.sphere(any, [3.0 * s, 0.0, -3.0 * c], 1.0);
-    let film = renders::film(&renders::world(&set.finish(), 16), 512);
+    let film = renders::film(&renders::world(&set.finish(), 16), 4096);
     // vfov is an f32 of degrees: 1e-5 of the area.
     let expected = case.value / 16.0;
     assert_image_mean("silhouette", &film, [expected; 3], 1e-5 * expected, TESTS);

@@ -8,7 +8,7 @@ use crate::stats::{Moments, assert_mean};
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 const SIDE: u32 = 48;
-const SAMPLES: u64 = 256;
+const SAMPLES: u64 = 1024;
 
 /// Light of radiance 1 from all directions within `cos_min` of the normal of a receiver of reflectance 1, sampled with
 /// density `light_pdf` there: mean and variance of a sample.

@@ -4,7 +4,7 @@ use super::{assert_same, scenes};
 use crate::renders;
 use octolux::scene::Scene;
 
-const SAMPLES: u64 = 6;
+const SAMPLES: u64 = 16;
 const SEED: u64 = 22;
 
 /// The scene with all lengths multiplied by 2ᵏ, exactly.

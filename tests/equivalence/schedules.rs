@@ -6,7 +6,7 @@ use octolux::kernel::Width;
 use octolux::plan::{Force, GeometryMode, Plan, Shading};
 use octolux::render::thread_pool;
 
-const SAMPLES: u64 = 6;
+const SAMPLES: u64 = 16;
 const SEED: u64 = 21;
 
 /// Against the general kernel at width 1 with a tree, on one thread.

@@ -35,7 +35,7 @@ fn compare(name: &str, scene: &Scene, spp: u32, block: usize) {
 /// All materials, smooth normals, both kinds of emitters, an image environment.
 #[test]
 fn everything() {
-    compare("everything", &scenes::everything(), 1024, 5);
+    compare("everything", &scenes::everything(), 4096, 5);
 }
 
 /// The same by area lights alone, which an environment's light would drown.
@@ -43,7 +43,7 @@ fn everything() {
 fn everything_but_the_sky() {
     let mut scene = scenes::everything();
     scene.environment = None;
-    compare("everything but the sky", &scene, 1024, 5);
+    compare("everything but the sky", &scene, 4096, 5);
 }
 
 /// Texels, poles and the seam of an environment image, from a diffuse plain and two spheres.
@@ -51,10 +51,10 @@ fn everything_but_the_sky() {
 fn spheres_under_a_sky() {
     let scene = scenes::spheres_under_a_sky();
     assert!(matches!(scene.environment, Some(Environment::Image(_))));
-    compare("spheres under a sky", &scene, 2048, 5);
+    compare("spheres under a sky", &scene, 8192, 5);
 }
 
 #[test]
 fn lambert_room() {
-    compare("lambert room", &scenes::lambert_room(), 1024, 4);
+    compare("lambert room", &scenes::lambert_room(), 4096, 4);
 }

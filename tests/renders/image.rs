@@ -34,7 +34,7 @@ pub fn assert_image_mean(name: &str, film: &Film, expected: [f64; 3], abs_tol: f
     let bound = stats::z_bound(tests);
     for (c, ImageMean { mean, std_error }) in image_mean(film).into_iter().enumerate() {
         let (off, allowed) = (mean - expected[c], bound * std_error + abs_tol);
-        println!("{name}, channel {c}: {mean:.7} for {:.7}; a bias of {allowed:.1e} would be seen", expected[c]);
+        println!("{name}, channel {c}: {mean:.6e} for {:.6e}; a bias of {allowed:.1e} would be seen", expected[c]);
         assert!(
             off.abs() <= allowed,
             "{name}, channel {c}: mean {mean:.8} for {:.8}: off by {off:+.3e}, {:.2} standard errors of {std_error:.2e}; \
