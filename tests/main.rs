@@ -4,10 +4,15 @@ mod stats;
 
 mod bsdf;
 mod cli;
+mod closed_forms;
+mod equivalence;
 mod film;
+mod independent;
 mod lane;
 mod light;
 mod oracle;
+mod references;
+mod renders;
 mod sampling;
 mod scene_files;
 mod traversal;

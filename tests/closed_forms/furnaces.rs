@@ -1,0 +1,83 @@
+//! Convex objects in a uniform environment of radiance 1: what they show is their albedo.
+
+use super::{TESTS, rounding};
+use crate::renders::{self, Set, assert_image_mean};
+use crate::stats;
+use octolux::film::Film;
+use octolux::scene::{Bsdf, ConductorFresnel, Masking};
+
+const SEED: u64 = 12;
+
+/// A sphere that fills the film, in a uniform environment.
+fn close_up(bsdf: Bsdf, bounces: u32) -> Set {
+    let mut set = Set::new([0.0, 0.0, 4.0], [0.0; 3], 20.0, 16).bounces(bounces).uniform_light();
+    let material = set.material(bsdf, [0.0; 3]);
+    set.sphere(material, [0.0; 3], 1.0);
+    set
+}
+
+/// The unit sphere of `refs/furnace_*`, whose image holds sphere and environment.
+fn furnace(bsdf: Bsdf, bounces: u32, samples: u64) -> Film {
+    let mut set = Set::new([0.0, 0.0, 4.0], [0.0; 3], 40.0, 64).bounces(bounces).uniform_light();
+    let material = set.material(bsdf, [0.0; 3]);
+    set.sphere(material, [0.0; 3], 1.0);
+    renders::film(&renders::world(&set.finish(), SEED), samples)
+}
+
+fn metal(alpha: f32, masking: Masking, reflectance: [f32; 3]) -> Bsdf {
+    Bsdf::Conductor { alpha, masking, fresnel: ConductorFresnel::Constant { reflectance } }
+}
+
+#[test]
+fn lambert_shows_its_reflectance() {
+    for id in ["C.furnace_lambert_0", "C.furnace_lambert_0.18", "C.furnace_lambert_0.5", "C.furnace_lambert_0.8"] {
+        let Some(case) = stats::oracle(id) else { return };
+        let bsdf = Bsdf::Diffuse { reflectance: [case.value as f32; 3] };
+        let film = renders::film(&renders::world(&close_up(bsdf, 7).finish(), SEED), 1024);
+        assert_image_mean(id, &film, [case.value; 3], rounding(case.value, 1), TESTS);
+    }
+}
+
+/// A mirror and a black body have nothing to be noisy about.
+#[test]
+fn mirrors_and_black_bodies_are_exact() {
+    let colours = [[1.0, 0.5, 0.25], [0.0, 0.1, 0.9]];
+    let cases = colours.map(|c| (metal(0.0, Masking::Correlated, c), c));
+    let black = (Bsdf::Diffuse { reflectance: [0.0; 3] }, [0.0; 3]);
+    for (bsdf, expected) in cases.into_iter().chain([black]) {
+        let film = renders::film(&renders::world(&close_up(bsdf, 7).finish(), SEED), 4);
+        for (x, y) in [(0, 0), (7, 9), (15, 15)] {
+            assert_eq!(film.mean(x, y), expected.map(f64::from));
+            assert_eq!(film.variance_of_mean(x, y), Some([0.0; 3]));
+        }
+    }
+}
+
+/// Image means by quadrature (`refs/README.md`), to the five digits given there.
+#[test]
+fn rough_metal_loses_what_it_scatters_twice() {
+    let cases = [(0.2, 0.96557, 0.96634), (0.5, 0.87740, 0.88187), (1.0, 0.75446, 0.76779)];
+    for (alpha, separable, correlated) in cases {
+        for (masking, expected) in [(Masking::Separable, separable), (Masking::Correlated, correlated)] {
+            let film = furnace(metal(alpha, masking, [1.0; 3]), 7, 512);
+            assert_image_mean(&format!("GGX α {alpha} {masking:?}"), &film, [expected; 3], 0.5e-5, TESTS);
+        }
+    }
+}
+
+#[test]
+fn rough_glass_loses_what_it_scatters_twice() {
+    for (masking, expected) in [(Masking::Separable, 0.81919), (Masking::Correlated, 0.82480)] {
+        let film = furnace(Bsdf::Dielectric { alpha: 0.5, masking, ior: 1.5 }, 63, 512);
+        assert_image_mean(&format!("rough glass {masking:?}"), &film, [expected; 3], 0.5e-5, TESTS);
+    }
+}
+
+/// Nothing is lost in smooth glass, however long the path.
+#[test]
+fn smooth_glass_is_invisible() {
+    for ior in [1.1, 1.5, 2.4, 0.75] {
+        let film = furnace(Bsdf::Dielectric { alpha: 0.0, masking: Masking::Correlated, ior }, 400, 64);
+        assert_image_mean(&format!("glass, index {ior}"), &film, [1.0; 3], rounding(1.0, 10), TESTS);
+    }
+}

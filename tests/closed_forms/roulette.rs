@@ -1,0 +1,50 @@
+//! Russian roulette: unbiased, and with the variance it should have.
+//!
+//! In a closed room of mirrors with reflectance ρ that all emit 1 nothing is random but roulette. Vertices 0 … 4 add
+//! ρᵏ. Roulette begins after the fifth scattering: with probability p = ρ⁵ the path goes on, with β back at 1, and from
+//! there each vertex adds 1 and is followed by another with probability ρ (ρ < .95). So
+//! X = Σ_{k<5} ρᵏ + B·G with B ~ Bernoulli(p) and G geometric: mean 1/(1 − ρ), second moment (1 + ρ)/(1 − ρ)².
+
+use super::{TESTS, rounding};
+use crate::renders::{self, Set, assert_image_mean};
+use crate::stats::{Moments, assert_mean};
+use octolux::film::Film;
+use octolux::scene::{Bsdf, ConductorFresnel, Masking};
+
+const SIDE: u32 = 32;
+
+fn mirrors(reflectance: f32, bounces: u32, samples: u64) -> Film {
+    let mut set = Set::new([0.3, 0.2, 0.9], [-0.4, -0.1, -1.0], 80.0, SIDE).bounces(bounces);
+    let fresnel = ConductorFresnel::Constant { reflectance: [reflectance; 3] };
+    let wall = set.material(Bsdf::Conductor { alpha: 0.0, masking: Masking::Correlated, fresnel }, [1.0; 3]);
+    set.room([wall; 6], [-1.0, -0.8, -1.5], [1.2, 0.9, 1.1]);
+    renders::film(&renders::world(&set.finish(), 13), samples)
+}
+
+#[test]
+fn mean_and_variance_of_roulette() {
+    const SAMPLES: u64 = 256;
+    for reflectance in [0.8f32, 0.5, 0.9] {
+        let film = mirrors(reflectance, 300, SAMPLES);
+        let rho = f64::from(reflectance);
+        let mean = 1.0 / (1.0 - rho);
+        assert_image_mean(&format!("mirrors, ρ = {rho}"), &film, [mean; 3], rounding(mean, 10), TESTS);
+        let survival = rho.powi(5);
+        let expected = survival * (1.0 + rho) * mean * mean - (survival * mean).powi(2);
+        let variances: Moments = (0..SIDE * SIDE)
+            .map(|i| film.variance_of_mean(i % SIDE, i / SIDE).expect("many samples")[0] * SAMPLES as f64)
+            .collect();
+        assert_mean(&format!("variance of mirrors, ρ = {rho}"), &variances, expected, 1e-4 * expected, TESTS);
+    }
+}
+
+/// Before roulette there is nothing random at all.
+#[test]
+fn no_roulette_before_the_fifth_bounce() {
+    for bounces in 0..=4 {
+        let film = mirrors(0.5, bounces, 4);
+        let expected: f64 = (0..=bounces).map(|k| 0.5f64.powi(k as i32)).sum();
+        assert_eq!(film.mean(5, 6), [expected; 3], "{bounces} bounces");
+        assert_eq!(film.variance_of_mean(5, 6), Some([0.0; 3]), "{bounces} bounces");
+    }
+}

@@ -1,0 +1,118 @@
+//! Scenes that together need everything the kernel has, and one by one need little.
+
+use crate::renders::Set;
+use octolux::scene::{Bsdf, ConductorFresnel, Environment, EnvironmentImage, Masking, Scene};
+use std::f64::consts::TAU;
+
+pub const SIDE: u32 = 20;
+
+/// Name and scene.
+pub fn all() -> Vec<(&'static str, Scene)> {
+    vec![
+        ("everything", everything()),
+        ("lambert room", lambert_room()),
+        ("spheres under a sky", spheres_under_a_sky()),
+        ("many triangles", many_triangles()),
+        ("mirror room", mirror_room()),
+        ("black", Set::new([0.0, 0.0, 3.0], [0.0; 3], 40.0, SIDE).finish()),
+    ]
+}
+
+/// All materials, both kinds of emitters, an image environment, smooth normals, a tree.
+pub fn everything() -> Scene {
+    let mut set = Set::new([0.3, 1.4, 4.0], [0.0, 0.5, 0.0], 45.0, SIDE).bounces(9).environment(sky());
+    let ground = set.material(Bsdf::Diffuse { reflectance: [0.6, 0.5, 0.4] }, [0.0; 3]);
+    let lamp = set.material(Bsdf::Diffuse { reflectance: [0.1; 3] }, [9.0, 8.0, 7.0]);
+    let bulb = set.material(Bsdf::Diffuse { reflectance: [0.0; 3] }, [3.0, 4.0, 5.0]);
+    let ring = set.material(Bsdf::Diffuse { reflectance: [0.2, 0.5, 0.7] }, [0.0; 3]);
+    set.quad(ground, [[-4.0, 0.0, 4.0], [4.0, 0.0, 4.0], [4.0, 0.0, -4.0], [-4.0, 0.0, -4.0]]);
+    set.quad(lamp, [[-0.5, 3.0, -0.5], [0.5, 3.0, -0.5], [0.5, 3.0, 0.5], [-0.5, 3.0, 0.5]]);
+    set.sphere(bulb, [2.0, 1.7, 0.5], 0.2);
+    for (i, bsdf) in glossy().into_iter().enumerate() {
+        let material = set.material(bsdf, [0.0; 3]);
+        let x = i as f64;
+        set.sphere(material, [-2.0 + 0.62 * x, 0.3, 0.9 - 0.3 * (x - 3.0).abs()], 0.3);
+    }
+    cylinder(&mut set, ring, 24, 3);
+    set.finish()
+}
+
+fn glossy() -> [Bsdf; 7] {
+    use ConductorFresnel::{Constant, Exact, Schlick};
+    let metal = |alpha, masking, fresnel| Bsdf::Conductor { alpha, masking, fresnel };
+    let glass = |alpha, masking, ior| Bsdf::Dielectric { alpha, masking, ior };
+    let gold = Exact { eta: [0.1431, 0.3749, 1.4424], k: [3.9831, 2.3857, 1.6032] };
+    [
+        metal(0.15, Masking::Separable, gold),
+        metal(0.5, Masking::Correlated, Schlick { f0: [0.9, 0.6, 0.3] }),
+        metal(0.0, Masking::Correlated, Constant { reflectance: [0.95, 0.9, 0.85] }),
+        glass(0.0, Masking::Correlated, 1.5),
+        glass(0.2, Masking::Separable, 1.33),
+        glass(0.6, Masking::Correlated, 1.8),
+        metal(1.0, Masking::Correlated, gold),
+    ]
+}
+
+/// An upright open cylinder behind the spheres, smooth.
+fn cylinder(set: &mut Set, material: u32, around: usize, up: usize) {
+    let place = |i: usize, j: usize| {
+        let (s, c) = (i as f64 / around as f64 * TAU).sin_cos();
+        let normal = [s, 0.0, c];
+        ([0.8 * s, j as f64 / up as f64, 0.8 * c - 1.2], normal)
+    };
+    for (i, j) in (0..around).flat_map(|i| (0..up).map(move |j| (i, j))) {
+        let [(a, na), (b, nb), (c, nc), (d, nd)] = [place(i, j), place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)];
+        set.smooth_triangle(material, [a, b, c], [na, nb, nc]);
+        set.smooth_triangle(material, [a, c, d], [na, nc, nd]);
+    }
+}
+
+/// Few triangles, Lambert, one lamp: no tree, no glossy code, no spheres, no environment.
+pub fn lambert_room() -> Scene {
+    let mut set = Set::new([0.3, 0.2, 0.9], [-0.4, -0.1, -1.0], 80.0, SIDE);
+    let [white, red, green] = [[0.7, 0.7, 0.7], [0.6, 0.1, 0.1], [0.1, 0.5, 0.1]]
+        .map(|reflectance| set.material(Bsdf::Diffuse { reflectance }, [0.0; 3]));
+    let lamp = set.material(Bsdf::Diffuse { reflectance: [0.0; 3] }, [9.0, 8.0, 7.0]);
+    set.room([red, green, white, white, white, white], [-1.0, -0.8, -1.5], [1.2, 0.9, 1.1]);
+    set.quad(lamp, [[-0.2, 0.89, -0.5], [0.3, 0.89, -0.5], [0.3, 0.89, 0.1], [-0.2, 0.89, 0.1]]);
+    set.block(white, [-0.7, -0.8, -0.9], [-0.2, 0.1, -0.4]);
+    set.finish()
+}
+
+/// No mesh at all.
+pub fn spheres_under_a_sky() -> Scene {
+    let mut set = Set::new([0.0, 1.0, 5.0], [0.0, 0.3, 0.0], 40.0, SIDE).bounces(12).environment(sky());
+    let stone = set.grey(0.4, 0.0);
+    let glass = set.material(Bsdf::Dielectric { alpha: 0.0, masking: Masking::Correlated, ior: 1.5 }, [0.0; 3]);
+    set.sphere(stone, [0.0, -100.0, 0.0], 100.0);
+    set.sphere(glass, [-0.6, 0.5, 0.0], 0.5);
+    set.sphere(stone, [0.6, 0.5, -0.2], 0.5);
+    set.finish()
+}
+
+/// Lambert, but past the size up to which no tree is built.
+fn many_triangles() -> Scene {
+    let mut set = Set::new([0.2, 1.1, 3.0], [0.0, 0.4, -1.0], 50.0, SIDE).uniform_light();
+    let material = set.material(Bsdf::Diffuse { reflectance: [0.8, 0.6, 0.2] }, [0.0; 3]);
+    cylinder(&mut set, material, 40, 6);
+    set.finish()
+}
+
+/// Only deltas: light sampling has nothing to do.
+fn mirror_room() -> Scene {
+    let mut set = Set::new([0.3, 0.2, 0.9], [-0.4, -0.1, -1.0], 80.0, SIDE).bounces(40);
+    let fresnel = ConductorFresnel::Constant { reflectance: [0.9, 0.8, 0.7] };
+    let wall = set.material(Bsdf::Conductor { alpha: 0.0, masking: Masking::Correlated, fresnel }, [1.0, 0.5, 0.25]);
+    set.room([wall; 6], [-1.0, -0.8, -1.5], [1.2, 0.9, 1.1]);
+    set.finish()
+}
+
+/// Uneven in both directions, with a bright spot.
+fn sky() -> Environment {
+    let (width, height) = (16, 8);
+    let texel = |i: usize| {
+        let (x, y) = ((i % width) as f32, (i / width) as f32);
+        if (x, y) == (11.0, 2.0) { [60.0, 55.0, 40.0] } else { [0.2 + 0.02 * x, 0.3 + 0.01 * x, 0.9 - 0.1 * y] }
+    };
+    Environment::Image(EnvironmentImage { width, height, texels: (0..width * height).map(texel).collect() })
+}

@@ -1,0 +1,147 @@
+//! Renders against the converged images of an independent renderer in `../shared/refs`.
+//!
+//! Every scene is rendered with many seeds and few samples; what is tested are means: of the whole image and of square
+//! blocks of it, each within Student's bound (Šidák over everything tested here, family-wise 1 %) of the spread over
+//! the seeds and the reference's own noise. Also relMSE − floor ≤ 3·C/N. Seeds are fixed and never changed to mend a
+//! failure. `cargo run --release --example references` does the same with more samples.
+
+mod blocks;
+mod reference;
+mod replicates;
+
+use crate::renders;
+use octolux::scene::{self, Environment, EnvironmentImage, Scene};
+use reference::Reference;
+use replicates::Replicates;
+
+/// A scene and how it is rendered here.
+struct Case {
+    name: &'static str,
+    /// Samples a pixel of one render.
+    samples: u64,
+    /// Blocks along each side; 0: the whole image only, where rare bright paths rule a block's mean.
+    blocks: u32,
+    /// relMSE at one sample a pixel that an independent sampler has (`refs/README.md`).
+    c: Option<f64>,
+}
+
+/// Renders of each scene: degrees of freedom of the spread are one less.
+const SEEDS: u64 = 32;
+
+const CASES: [Case; 11] = [
+    Case { name: "cornell", samples: 8, blocks: 16, c: Some(0.273) },
+    Case { name: "cornell_direct", samples: 4, blocks: 16, c: Some(0.023) },
+    Case { name: "veach_mis", samples: 4, blocks: 16, c: Some(0.438) },
+    Case { name: "env", samples: 4, blocks: 16, c: Some(0.298) },
+    Case { name: "glass", samples: 8, blocks: 8, c: Some(2.65) },
+    Case { name: "many_lights", samples: 6, blocks: 0, c: Some(17.9) },
+    Case { name: "door_ajar", samples: 16, blocks: 0, c: Some(24.9) },
+    Case { name: "furnace_diffuse05", samples: 8, blocks: 8, c: None },
+    Case { name: "furnace_ggx_a0.2", samples: 8, blocks: 8, c: None },
+    Case { name: "furnace_ggx_a1", samples: 8, blocks: 8, c: None },
+    Case { name: "furnace_rglass_a0.5", samples: 8, blocks: 8, c: None },
+];
+
+/// Means tested here: three channels of every image and block.
+const TESTS: usize = {
+    let (mut tests, mut i) = (0, 0);
+    while i < CASES.len() {
+        tests += 3 * (1 + CASES[i].blocks * CASES[i].blocks) as usize;
+        i += 1;
+    }
+    tests
+};
+
+/// Loads a case's scene and reference; `None`, and the reason printed, without `../shared`.
+fn load(name: &str) -> Option<(&'static Case, Scene, Reference)> {
+    let Some(folder) = crate::stats::shared_dir().map(|d| d.join("refs")) else {
+        eprintln!("skipped {name}: ../shared is absent");
+        return None;
+    };
+    let case = CASES.iter().find(|c| c.name == name).expect("the case is listed");
+    let scene = scene::load(&folder.join(name).join("scene.toml")).expect("the reference scene loads");
+    Some((case, scene, Reference::load(&folder, name)))
+}
+
+fn check(name: &str, change: impl FnOnce(Scene) -> Scene) {
+    let Some((case, scene, reference)) = load(name) else { return };
+    let replicates = Replicates::render(&change(scene), case.samples, SEEDS);
+    blocks::check(&replicates, &reference, case.name, case.blocks.max(1), TESTS);
+    if case.blocks > 1 {
+        blocks::check(&replicates, &reference, case.name, 1, TESTS);
+    }
+    if let Some(c) = case.c {
+        let relmse = replicates.relmse(&reference) - reference.relmse_floor;
+        let measured = relmse * case.samples as f64;
+        println!("{name}: C = {measured:.3}, reference {c}");
+        assert!(measured <= 3.0 * c, "{name}: relMSE − floor is {measured:.3}/N, more than 3 · {c}/N");
+    }
+}
+
+/// One test function a scene, so that a failure says where.
+macro_rules! references {
+    ($($function:ident: $name:literal),* $(,)?) => {
+        $(
+            #[test]
+            fn $function() {
+                check($name, |scene| scene);
+            }
+        )*
+    };
+}
+
+references! {
+    cornell: "cornell",
+    cornell_direct: "cornell_direct",
+    veach_mis: "veach_mis",
+    glass: "glass",
+    many_lights: "many_lights",
+    door_ajar: "door_ajar",
+    furnace_diffuse: "furnace_diffuse05",
+    furnace_smooth_metal: "furnace_ggx_a0.2",
+    furnace_rough_metal: "furnace_ggx_a1",
+    furnace_rough_glass: "furnace_rglass_a0.5",
+}
+
+/// With the environment's rows where the reference has them: no allowance is needed.
+#[test]
+fn env() {
+    check("env", |mut scene| {
+        if let Some(Environment::Image(image)) = &mut scene.environment {
+            *image = rows_of_the_reference(image);
+        }
+        scene
+    });
+}
+
+/// The scene as it is: the reference's rows lie up to half a row off, which brightens it by up to 0.22 %.
+#[test]
+fn env_as_it_is() {
+    let Some((_, scene, reference)) = load("env") else { return };
+    let film = renders::film(&renders::world(&scene, 1000), 128);
+    for (c, ours) in renders::image_mean(&film).into_iter().enumerate() {
+        let ratio = ours.mean / reference.mean[c];
+        println!("env as it is, channel {c}: mean ratio {ratio:.5} ± {:.5}", ours.std_error / reference.mean[c]);
+        assert!((ratio - 1.0).abs() <= 0.003, "env, channel {c}: mean ratio {ratio:.5} is not within 0.3 % of 1");
+    }
+}
+
+/// The reference puts row j at v = j/(h − 1), octolux at (j + ½)/h. An image with eight times the rows that takes, at
+/// octolux's rows, the values that the reference interpolates: between them both are linear but at kinks, where the
+/// difference is 1/64 of what it was.
+fn rows_of_the_reference(image: &EnvironmentImage) -> EnvironmentImage {
+    const FINER: usize = 8;
+    let height = image.height * FINER;
+    let row = |j: usize| {
+        let at = (j as f64 + 0.5) / height as f64 * (image.height - 1) as f64;
+        let low = (at as usize).min(image.height - 2);
+        let f = (at - low as f64) as f32;
+        let texel = |row: usize, i: usize| image.texels[row * image.width + i];
+        (0..image.width).map(move |i| {
+            let (a, b) = (texel(low, i), texel(low + 1, i));
+            std::array::from_fn(|c| a[c] + (b[c] - a[c]) * f)
+        })
+    };
+    let texels: Vec<[f32; 3]> = (0..height).flat_map(row).collect();
+    EnvironmentImage { width: image.width, height, texels }
+}

@@ -1,0 +1,60 @@
+//! Scenes written as values, renders of them, and what whole images say. For tests of the whole renderer.
+
+mod image;
+mod set;
+
+pub use image::{assert_image_mean, image_mean};
+pub use set::Set;
+
+use octolux::film::Film;
+use octolux::kernel::{Prepare, Width, World};
+use octolux::plan::{Force, Plan};
+use octolux::render::{self, Budget, Options, Progress};
+use octolux::scene::Scene;
+use std::sync::OnceLock;
+
+/// The scene prepared as its plan says.
+pub fn world(scene: &Scene, seed: u64) -> World {
+    forced(scene, seed, Force::default())
+}
+
+/// The scene prepared with something forced.
+pub fn forced(scene: &Scene, seed: u64, force: Force) -> World {
+    let options = Prepare { seed, ..Prepare::default() };
+    World::new(scene, Plan::new(scene, force, false), options).expect("the scene's lights fit the light table")
+}
+
+/// How a render is carried out; none of it may leave a trace in the bits.
+#[derive(Clone, Copy, Debug)]
+pub struct How {
+    pub width: Width,
+    pub tile: u32,
+}
+
+impl Default for How {
+    fn default() -> Self {
+        How { width: Width::native(), tile: 16 }
+    }
+}
+
+/// Renders on the threads that all tests share.
+pub fn film(world: &World, samples: u64) -> Film {
+    film_on(shared_pool(), world, samples, How::default())
+}
+
+pub fn film_on(pool: &rayon::ThreadPool, world: &World, samples: u64, how: How) -> Film {
+    let budget = Budget { samples: Some(samples), ..Budget::default() };
+    let options = Options { budget, width: how.width, tile: how.tile, aovs: false, output_seconds: 0.0 };
+    let film = render::render(world, &options, pool, &mut Progress::quiet()).film;
+    assert_eq!(film.samples(), samples);
+    assert_eq!(film.discarded().count, 0, "samples that are not finite: {:?}", film.discarded());
+    film
+}
+
+fn shared_pool() -> &'static rayon::ThreadPool {
+    static POOL: OnceLock<rayon::ThreadPool> = OnceLock::new();
+    POOL.get_or_init(|| {
+        let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+        render::thread_pool(threads).expect("the system gives threads")
+    })
+}
