@@ -2,7 +2,7 @@
 
 use super::block::{keep_sphere, keep_triangle, test_sphere};
 use super::{Accel, Brute, Mode};
-use crate::geometry::{Bounds, Edges, Hit, RaySetup, Rows, edges, plane_normal};
+use crate::geometry::{Bounds, Edges, Hit, RaySetup, Rows, edges, largest, plane_normal};
 use crate::lane::{Bits, Mask, Real, axes};
 
 /// A triangle for broadcasting: 96 bytes.
@@ -15,6 +15,8 @@ struct TriangleRow {
     lo: [f32; 3],
     hi: [f32; 3],
     normal: [f32; 3],
+    /// The largest component of the normal.
+    normal_size: f32,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -34,7 +36,9 @@ impl TriangleList {
     pub fn new(triangles: impl Iterator<Item = [[f32; 3]; 3]>) -> Self {
         let row = |v: [[f32; 3]; 3]| {
             let Bounds { lo, hi } = Bounds::of_triangle(v);
-            TriangleRow { vertices: v.map(|[x, y, z]| [x, y, z, 0.0]), lo, hi, normal: plane_normal(v) }
+            let normal = plane_normal(v);
+            let normal_size = largest(normal);
+            TriangleRow { vertices: v.map(|[x, y, z]| [x, y, z, 0.0]), lo, hi, normal, normal_size }
         };
         let rows: Vec<_> = triangles.map(row).collect();
         let boxes = rows.iter().map(|r| [r.lo[0], r.lo[1], r.lo[2], r.hi[0], r.hi[1], r.hi[2], 0.0, 0.0]).collect();
@@ -101,7 +105,8 @@ impl TriangleRow {
         let turned = axes(|vertex| axes(|k| R::lookup4(&self.vertices[vertex], setup.order[k])));
         let edges = edges(&setup.shear, turned, active);
         let v0 = axes(|k| R::splat(self.vertices[0][k]));
-        let (mask, t) = edges.distances(setup, v0, axes(|k| R::splat(self.normal[k])), t_best);
+        let normal = axes(|k| R::splat(self.normal[k]));
+        let (mask, t) = edges.distances(setup, v0, normal, R::splat(self.normal_size), t_best);
         (edges, mask, t)
     }
 

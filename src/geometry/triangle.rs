@@ -139,22 +139,45 @@ impl<R: Real> Edges<R> {
     /// [`Edges::distances`], `None` where no lane has one.
     #[inline(always)]
     pub fn distance(&self, setup: &RaySetup<R>, v0: [R; 3], normal: [R; 3], t_best: R) -> Option<(R::Mask, R)> {
-        let (mask, t) = self.distances(setup, v0, normal, t_best);
+        let (mask, t) = self.distances(setup, v0, normal, largest(normal), t_best);
         if mask.none() { None } else { Some((mask, t)) }
     }
 
-    /// Distances to the plane through `v0` with [`plane_normal`] `normal` (both in world order), and the lanes where they
-    /// are > 0 and ≤ `t_best`.
+    /// Distances to the plane through `v0` with [`plane_normal`] `normal` (both in world order; `normal_size` is its
+    /// [`largest`] component), and the lanes where they are > 0 and ≤ `t_best`.
     ///
     /// Not Woop's sum of weighted depths: the weights of a sliver carry an error of ε·length²/area, and with it t, so that
     /// rays hit the sliver they leave. The plane of a triangle is sure to ε·length wherever the triangle is, however
-    /// thin. Where it is seen edge-on t is not, and is held to what the vertices' own depths allow: with all of them ahead
-    /// nothing is lost, and else (the origin is beside the triangle) a crossing at more than twice the farthest is none.
+    /// thin. Seen from a low angle t is not ([`STEEP`]): [`Edges::grazing`] has those.
     #[inline(always)]
-    pub fn distances(&self, setup: &RaySetup<R>, v0: [R; 3], normal: [R; 3], t_best: R) -> (R::Mask, R) {
+    pub fn distances(
+        &self,
+        setup: &RaySetup<R>,
+        v0: [R; 3],
+        normal: [R; 3],
+        normal_size: R,
+        t_best: R,
+    ) -> (R::Mask, R) {
+        let along = dot(normal, setup.direction);
+        let mut t = dot(normal, axes(|k| v0[k] - setup.origin[k])) / along;
+        let steep = along.abs().ge(normal_size * (largest(setup.direction) * R::splat(STEEP)));
+        let inside = self.inside & !self.sum.eq(R::zero());
+        let mut hits = inside & t.gt(R::zero());
+        let grazing = inside & !steep;
+        if grazing.any() {
+            let (hits_low, t_low) = self.grazing(setup, t);
+            hits = R::Mask::select(grazing, inside & hits_low, hits);
+            t = R::select(grazing, t_low, t);
+        }
+        (hits & t.le(t_best), t)
+    }
+
+    /// Of rays that meet the plane at a low angle the plane's distance is held to what the vertices' own depths allow:
+    /// with all of them ahead nothing is lost, and else (the origin is beside the triangle) a crossing at more than twice
+    /// the farthest is none.
+    #[cold]
+    fn grazing(&self, setup: &RaySetup<R>, plane: R) -> (R::Mask, R) {
         let zero = R::zero();
-        let to_plane = dot(normal, axes(|k| v0[k] - setup.origin[k]));
-        let plane = to_plane / dot(normal, setup.direction);
         let vertices = axes(|k| setup.shear.scale[2] * self.depths[k]);
         let first = vertices[0].min_or(vertices[1]).min_or(vertices[2]);
         let last = vertices[0].max_or(vertices[1]).max_or(vertices[2]);
@@ -162,9 +185,18 @@ impl<R: Real> Edges<R> {
         let crosses = plane.gt(zero) & plane.le(last + last);
         // A plane without a normal is NaN: the nearest vertex is then as good a guess as any.
         let t = R::select(ahead, plane.max_or(first), plane).min_or(last);
-        let mask = self.inside & (ahead | crosses) & t.le(t_best) & !self.sum.eq(zero);
-        (mask, t)
+        (ahead | crosses, t)
     }
+}
+
+/// A ray meets a plane steeply where |n·d| is at least this share of max|n_k|·max|d_k|. t then is sure to
+/// ε·length/[`STEEP`] = 2⁻¹⁸·length, and needs no help from the vertices. (1.5 % of the directions are less steep.)
+const STEEP: f32 = 1.0 / 64.0;
+
+/// The largest magnitude.
+#[inline(always)]
+pub fn largest<R: Real>(v: [R; 3]) -> R {
+    v[0].abs().max_or(v[1].abs()).max_or(v[2].abs())
 }
 
 #[inline(always)]

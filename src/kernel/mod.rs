@@ -18,7 +18,7 @@ pub use probe::{Lanes, NoProbe, Probe, Record, Recorder, Stage};
 pub use tile::{Counters, Job, SampleBuffer};
 pub use world::{Prepare, Setup, World};
 
-use crate::accel::{Brute, Packet, Single};
+use crate::accel::{Brute, Packet, Stream};
 use crate::lane::{f32x8, f32x16};
 use crate::plan::{GeometryMode, Shading};
 use material::{AllModels, LambertOnly};
@@ -32,12 +32,12 @@ impl Traversal for BruteForce {
     const PRETRACED: bool = false;
 }
 
-/// Packets for camera rays, single rays after a bounce.
+/// Packets for camera rays; after a bounce each ray on its own way, the lanes of a packet in flight together.
 pub struct TreeTraversal;
 impl Traversal for TreeTraversal {
     type Camera = Packet;
-    type Bounce = Single;
-    type Shadow = Single;
+    type Bounce = Stream;
+    type Shadow = Stream;
     const PRETRACED: bool = true;
 }
 

@@ -35,6 +35,11 @@ pub trait Mask:
     fn bits(self) -> u32;
     /// The inverse of [`Mask::bits`]; bits past the width are ignored.
     fn from_bits(bits: u32) -> Self;
+    /// Lanes of `if_true` where the mask holds, else of `if_false`.
+    #[inline(always)]
+    fn select(mask: Self, if_true: Self, if_false: Self) -> Self {
+        (mask & if_true) | (!mask & if_false)
+    }
     /// Is any lane true?
     #[inline(always)]
     fn any(self) -> bool {

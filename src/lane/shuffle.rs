@@ -38,10 +38,21 @@ fn quad(row: &[f32]) -> [f32; 4] {
     [row[0], row[1], row[2], row[3]]
 }
 
-/// Two 8-lane registers as one of 16. SAFETY: plain registers, and `f32x16` holds lanes 0 … 7 first.
+/// Two 8-lane registers as one of 16.
 #[inline(always)]
 fn join(low: f32x8, high: f32x8) -> f32x16 {
-    unsafe { core::mem::transmute::<[f32x8; 2], f32x16>([low, high]) }
+    #[cfg(all(target_feature = "avx512f", target_feature = "avx512dq"))]
+    // SAFETY: the build has these features; registers only. (The transmute below goes through memory, and the wide load
+    // then waits for both narrow stores.)
+    unsafe {
+        use core::arch::x86_64::*;
+        f32x16::from(_mm512_insertf32x8::<1>(_mm512_castps256_ps512(low.into()), high.into()))
+    }
+    #[cfg(not(all(target_feature = "avx512f", target_feature = "avx512dq")))]
+    // SAFETY: plain registers, and `f32x16` holds lanes 0 … 7 first.
+    unsafe {
+        core::mem::transmute::<[f32x8; 2], f32x16>([low, high])
+    }
 }
 #[inline(always)]
 fn split(v: f32x16) -> [f32x8; 2] {

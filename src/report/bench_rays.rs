@@ -138,11 +138,14 @@ fn check(args: &BenchRaysArgs) -> Result<(), BenchRaysError> {
     Ok(())
 }
 
+/// From this many triangles on, nodes are so small that the rays of an incoherent packet share none of them.
+const FINE: usize = 1 << 19;
+
 /// Packets for rays that left one point together and for short any-hit rays, a stream once they have parted; no tree for
 /// a handful of triangles, unless a packet's box tests drop most of them at once.
 fn resolve(mode: TraceMode, triangles: usize, rays: &RaySet) -> TraceMode {
     match mode {
-        TraceMode::Auto if rays.coherent || rays.any => TraceMode::Packet,
+        TraceMode::Auto if rays.coherent || rays.any && triangles < FINE => TraceMode::Packet,
         TraceMode::Auto if triangles <= BRUTE_LIMIT => TraceMode::Brute,
         TraceMode::Auto => TraceMode::Stream,
         named => named,

@@ -4,5 +4,6 @@ mod adversarial;
 mod bench_rays;
 mod equivalence;
 mod reference;
+mod rows;
 mod spawn;
 mod support;
