@@ -37,9 +37,8 @@ impl Replicates {
 
     /// Mean over the renders of mean((x − r)²/(r² + 0.01)).
     pub fn relmse(&self, reference: &Reference) -> f64 {
-        let of_pixel = |x: &[f64; 3], r: &[f64; 3]| -> f64 {
-            (0..3).map(|c| (x[c] - r[c]).powi(2) / (r[c] * r[c] + 0.01)).sum()
-        };
+        let of_pixel =
+            |x: &[f64; 3], r: &[f64; 3]| -> f64 { (0..3).map(|c| (x[c] - r[c]).powi(2) / (r[c] * r[c] + 0.01)).sum() };
         let of_image = |image: &Vec<[f64; 3]>| -> f64 {
             image.iter().zip(&reference.pixels).map(|(x, r)| of_pixel(x, r)).sum::<f64>() / (3 * image.len()) as f64
         };
