@@ -25,7 +25,7 @@ fn block_mean(pixels: &[[f64; 3]], (width, height): (u32, u32), sides: u32, bloc
 pub fn check(replicates: &Replicates, reference: &Reference, name: &str, sides: u32, tests: usize) {
     let size = (replicates.width, replicates.height);
     assert_eq!(size, (reference.width, reference.height), "{name}: sizes");
-    assert!(size.0 % sides == 0 && size.1 % sides == 0, "{name}: blocks of whole pixels");
+    assert!(size.0.is_multiple_of(sides) && size.1.is_multiple_of(sides), "{name}: blocks of whole pixels");
     let pixels_in_block = f64::from(size.0 * size.1 / (sides * sides));
     let bound = stats::t_bound(tests, (replicates.images.len() - 1) as f64);
     let all = (0..3).map(|c| block_mean(&replicates.sample_variance, size, 1, 0, c)).sum::<f64>() / 3.0;

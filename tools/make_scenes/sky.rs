@@ -35,7 +35,7 @@ const E: f64 = 0.45;
 pub fn write(path: &Path) -> Result<()> {
     let sky = scaled_sky();
     let texel = |position: Vec2<usize>| {
-        let [r, g, b] = sky[position.y() * WIDTH + position.x()].map(|x| f16::from_f64(x));
+        let [r, g, b] = sky[position.y() * WIDTH + position.x()].map(f16::from_f64);
         (r, g, b)
     };
     let channels = SpecificChannels::rgb(texel);

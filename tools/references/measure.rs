@@ -66,9 +66,9 @@ impl Reference {
         for y in 0..film.height() {
             for x in 0..film.width() {
                 let mean = film.mean(x, y);
-                for c in 0..3 {
-                    let r = self.planes[c][(y * film.width() + x) as usize];
-                    sum += (mean[c] - r).powi(2) / (r * r + 0.01);
+                for (m, plane) in mean.into_iter().zip(&self.planes) {
+                    let r = plane[(y * film.width() + x) as usize];
+                    sum += (m - r).powi(2) / (r * r + 0.01);
                 }
             }
         }
@@ -83,10 +83,8 @@ fn image_mean(film: &Film) -> ([f64; 3], [f64; 3]) {
     for y in 0..film.height() {
         for x in 0..film.width() {
             let (m, v) = (film.mean(x, y), film.variance_of_mean(x, y).unwrap_or([f64::INFINITY; 3]));
-            for c in 0..3 {
-                mean[c] += m[c] / pixels;
-                variance[c] += v[c] / (pixels * pixels);
-            }
+            mean = std::array::from_fn(|c| mean[c] + m[c] / pixels);
+            variance = std::array::from_fn(|c| variance[c] + v[c] / (pixels * pixels));
         }
     }
     (mean, variance)
