@@ -4,10 +4,10 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use octolux::accel::{Accel, Brute, BuildOptions, Mode, Packet, Preset, Single};
-use octolux::bsdf::{Conductor, ConductorFresnel, Dielectric, Diffuse};
+use octolux::bsdf::{Conductor, ConductorFresnel, Dielectric, Diffuse, Model};
 use octolux::geometry::{Ray, RaySetup};
 use octolux::kernel::{Prepare, Width, World};
-use octolux::lane::{Bits, Mask, Real, Vec3, f32x8, f32x16};
+use octolux::lane::{Mask, Real, Vec3, f32x8, f32x16};
 use octolux::plan::{Force, Plan};
 use octolux::render::{self, Budget, Options, Progress};
 use octolux::sampling::Xoshiro;
@@ -69,7 +69,7 @@ fn primitives<R: Real>(c: &mut Criterion) {
         let (near, far) = setup.slab([R::splat(-0.5); 3], [R::splat(0.5); 3]);
         near + far
     });
-    packets::<R, _>(c, "random number", &vec![(); PACKETS], {
+    packets::<R, _>(c, "random number", &[(); PACKETS], {
         let mut rng = random::<R>(2);
         move |_| rng.next_unit()
     });

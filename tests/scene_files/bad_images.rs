@@ -26,10 +26,9 @@ fn exr_bytes(width: usize, height: usize, encoding: Encoding, texel: Texel) -> V
 fn load_bytes(bytes: &[u8], radiance: &str) -> Result<EnvironmentImage, SceneError> {
     let files = Files::new(&[("scene.toml", &format!("{CAMERA}[environment]\nfile = \"e.exr\"\n{radiance}\n"))]);
     std::fs::write(files.path("e.exr"), bytes).expect("a file");
-    let scene = files.load("scene.toml").map_err(|error| {
+    let scene = files.load("scene.toml").inspect_err(|error| {
         assert!(!error.to_string().contains('\n'));
         assert_eq!(error.file, files.path("e.exr"));
-        error
     })?;
     match scene.environment {
         Some(Environment::Image(image)) => Ok(image),

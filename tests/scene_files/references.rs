@@ -73,11 +73,8 @@ fn every_reference_scene_loads_with_all_it_holds() {
         check_invariants(&scene);
         let text = std::fs::read_to_string(&file).expect("a readable scene");
         let obj = folder.join("geometry.obj");
-        let counted = obj.is_file().then(|| count_obj(&obj)).unwrap_or(Counted {
-            triangles: 0,
-            worn: BTreeSet::new(),
-            smooth: 0,
-        });
+        let nothing = Counted { triangles: 0, worn: BTreeSet::new(), smooth: 0 };
+        let counted = if obj.is_file() { count_obj(&obj) } else { nothing };
         assert_eq!(scene.mesh.triangles.len(), counted.triangles, "{}", file.display());
         assert_eq!(scene.spheres.len(), count_lines(&text, "[[sphere]]"), "{}", file.display());
         assert_eq!(scene.materials.len(), count_lines(&text, "[materials."), "{}", file.display());
