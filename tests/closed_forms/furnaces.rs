@@ -4,7 +4,8 @@ use super::{TESTS, rounding};
 use crate::renders::{self, Set, assert_image_mean};
 use crate::stats;
 use octolux::film::Film;
-use octolux::scene::{Bsdf, ConductorFresnel, Masking};
+use octolux::scene::{self, Bsdf, ConductorFresnel, FilmSize, Masking};
+use std::path::Path;
 
 const SEED: u64 = 12;
 
@@ -63,6 +64,16 @@ fn rough_metal_loses_what_it_scatters_twice() {
             assert_image_mean(&format!("GGX α {alpha} {masking:?}"), &film, [expected; 3], 0.5e-5, TESTS);
         }
     }
+}
+
+/// The scene as it is shipped is one of these.
+#[test]
+fn furnace_as_shipped() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/furnace/scene.toml");
+    let mut scene = scene::load(&path).expect("the scene loads");
+    scene.film = FilmSize { width: 64, height: 64 };
+    let film = renders::film(&renders::world(&scene, SEED), 1024);
+    assert_image_mean("scenes/furnace", &film, [0.88187; 3], 0.5e-5, TESTS);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod metamorphic;
 pub mod scenes;
 mod schedules;
+mod shipped;
 
 use octolux::film::Film;
 
