@@ -15,8 +15,8 @@ fn fetched<R: Real, const N: usize>() {
         let lanes = R::Bits::from_fn(|i| if bits >> i & 1 != 0 { index[i] } else { u32::MAX - i as u32 });
         let got = rows.fetch::<R>(lanes, R::Mask::from_bits(bits));
         for (column, value) in got.iter().enumerate() {
-            for i in 0..R::WIDTH {
-                let row = if bits >> i & 1 != 0 { index[i] as usize } else { 0 };
+            for (i, index) in index.iter().enumerate() {
+                let row = if bits >> i & 1 != 0 { *index as usize } else { 0 };
                 assert_eq!(value.lane(i).to_bits(), table[row][column].to_bits(), "N {N} lane {i} column {column}");
             }
         }
