@@ -7,7 +7,7 @@ use octolux::lane::{Bits, Mask, Real, f32x8, f32x16};
 fn fetched<R: Real, const N: usize>() {
     let mut rng = Random::new(41);
     let table: Vec<[f32; N]> = (0..97).map(|_| [(); N].map(|_| rng.signed())).collect();
-    let rows = Rows::new(table.clone());
+    let rows = Rows::new(&table);
     for _ in 0..200 {
         let index: Vec<u32> = (0..R::WIDTH).map(|_| rng.below(97) as u32).collect();
         let bits = rng.below(1 << R::WIDTH) as u32;
