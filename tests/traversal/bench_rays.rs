@@ -1,7 +1,7 @@
 //! `bench rays`: what it makes of files, good and bad.
 
 use octolux::accel::Preset;
-use octolux::accel::bench_rays::{BenchRaysArgs, TraceMode, bench_rays};
+use octolux::report::bench_rays::{BenchRaysArgs, TraceMode, bench_rays};
 use std::path::Path;
 
 fn args(data: &Path) -> BenchRaysArgs {
