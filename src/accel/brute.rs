@@ -41,8 +41,9 @@ impl TriangleList {
             TriangleRow { vertices: v.map(|[x, y, z]| [x, y, z, 0.0]), lo, hi, normal, normal_size }
         };
         let rows: Vec<_> = triangles.map(row).collect();
-        let boxes = rows.iter().map(|r| [r.lo[0], r.lo[1], r.lo[2], r.hi[0], r.hi[1], r.hi[2], 0.0, 0.0]).collect();
-        Self { rows, boxes: Rows::new(boxes) }
+        let boxes: Vec<_> =
+            rows.iter().map(|r| [r.lo[0], r.lo[1], r.lo[2], r.hi[0], r.hi[1], r.hi[2], 0.0, 0.0]).collect();
+        Self { boxes: Rows::new(&boxes), rows }
     }
     pub fn bytes(&self) -> usize {
         core::mem::size_of_val(self.rows.as_slice()) + self.boxes.bytes()

@@ -2,29 +2,51 @@
 
 use crate::lane::{Bits, Real, Vec3};
 
-/// A table of rows of `N` values that lanes fetch by index. Rows are as far apart as `N` values are long: 8 or 16
-/// share no cache line badly.
-#[derive(Clone, Debug, Default)]
+/// A table of rows of `N` values that lanes fetch by index. Row 0 starts a cache line, so that rows of 4, 8 or 16 lie
+/// within one each.
+#[derive(Debug)]
 pub struct Rows<const N: usize> {
-    rows: Vec<[f32; N]>,
+    values: Vec<f32>,
+    /// Where row 0 starts: vectors are aligned to 4 bytes only.
+    start: usize,
 }
 
 impl<const N: usize> Rows<N> {
     /// Row 0 exists even in an empty table (zeros), so that dead lanes have something to read.
-    pub fn new(mut rows: Vec<[f32; N]>) -> Self {
-        if rows.is_empty() {
-            rows.push([0.0; N]);
-        }
-        Self { rows }
+    pub fn new(rows: &[[f32; N]]) -> Self {
+        const LINE: usize = 64 / size_of::<f32>();
+        let count = rows.len().max(1) * N;
+        let mut values: Vec<f32> = Vec::with_capacity(count + LINE);
+        let start = values.as_ptr().align_offset(64) % LINE;
+        values.resize(start, 0.0);
+        values.extend_from_slice(rows.as_flattened());
+        values.resize(start + count, 0.0);
+        Self { values, start }
+    }
+    fn rows(&self) -> &[[f32; N]] {
+        self.values[self.start..].as_chunks().0
     }
     pub fn bytes(&self) -> usize {
-        core::mem::size_of_val(self.rows.as_slice())
+        core::mem::size_of_val(self.values.as_slice())
     }
     /// Column `c` of row `index.lane(i)` in lane `i`; lanes that are not `valid` read row 0. Panics if a valid lane's
     /// index is past the end.
     #[inline(always)]
     pub fn fetch<R: Real>(&self, index: R::Bits, valid: R::Mask) -> [R; N] {
-        R::fetch_rows(&self.rows, R::Bits::select(valid, index, R::Bits::splat(0)))
+        R::fetch_rows(self.rows(), R::Bits::select(valid, index, R::Bits::splat(0)))
+    }
+}
+
+impl<const N: usize> Default for Rows<N> {
+    fn default() -> Self {
+        Self::new(&[])
+    }
+}
+
+impl<const N: usize> Clone for Rows<N> {
+    /// Aligned anew.
+    fn clone(&self) -> Self {
+        Self::new(self.rows())
     }
 }
 
@@ -47,10 +69,10 @@ pub struct TriangleAt<R> {
 }
 
 impl TriangleRows {
-    /// `triangles` index `positions` (checked by [`Accel::build`](crate::accel::Accel::build)'s caller: panics past the end).
+    /// `triangles` index `positions` (panics past the end).
     pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
-        let rows = triangles.iter().map(|t| triangle_row(t.map(|i| positions[i as usize]))).collect();
-        Self(Rows::new(rows))
+        let rows: Vec<_> = triangles.iter().map(|t| triangle_row(t.map(|i| positions[i as usize]))).collect();
+        Self(Rows::new(&rows))
     }
     pub fn bytes(&self) -> usize {
         self.0.bytes()
@@ -94,7 +116,8 @@ pub struct SphereAt<R> {
 
 impl SphereRows {
     pub fn new(spheres: &[([f32; 3], f32)]) -> Self {
-        Self(Rows::new(spheres.iter().map(|(c, r)| [c[0], c[1], c[2], *r]).collect()))
+        let rows: Vec<_> = spheres.iter().map(|(c, r)| [c[0], c[1], c[2], *r]).collect();
+        Self(Rows::new(&rows))
     }
     pub fn bytes(&self) -> usize {
         self.0.bytes()

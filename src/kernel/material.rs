@@ -37,7 +37,7 @@ pub struct MaterialAt<R: Real> {
 
 impl MaterialTable {
     pub fn new(materials: &[Material]) -> Self {
-        Self { rows: Rows::new(materials.iter().map(row).collect()) }
+        Self { rows: Rows::new(&materials.iter().map(row).collect::<Vec<_>>()) }
     }
 
     /// The rows of the lanes in `valid`; other lanes hold a black diffuse material.

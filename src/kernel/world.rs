@@ -74,8 +74,8 @@ impl World {
         let start = Instant::now();
         let triangles = TriangleRows::new(&positions, &scene.mesh.triangles);
         let lights = if plan.light_transport { build_lights(scene, &plan, &positions, &spheres)? } else { None };
-        let tags = if plan.light_transport { tag_rows(scene, lights.as_ref()) } else { Rows::new(Vec::new()) };
-        let normals = Rows::new(if plan.shading_normals { normal_rows(scene) } else { Vec::new() });
+        let tags = if plan.light_transport { tag_rows(scene, lights.as_ref()) } else { Rows::new(&[]) };
+        let normals = Rows::new(&if plan.shading_normals { normal_rows(scene) } else { Vec::new() });
         let materials = MaterialTable::new(if plan.light_transport { &scene.materials } else { &[] });
         let setup = Setup {
             tree_seconds,
@@ -181,7 +181,7 @@ fn build_lights(
 fn tag_rows(scene: &Scene, lights: Option<&Lights>) -> Rows<2> {
     let materials = scene.mesh.material.iter().copied().chain(scene.spheres.iter().map(|s| s.material));
     let light_row = |primitive: usize| lights.map_or(0.0, |lights| lights.emitter_pdf_row(primitive as u32));
-    Rows::new(materials.enumerate().map(|(i, material)| [material as f32, light_row(i)]).collect())
+    Rows::new(&materials.enumerate().map(|(i, material)| [material as f32, light_row(i)]).collect::<Vec<_>>())
 }
 
 fn difference(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {

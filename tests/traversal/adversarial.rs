@@ -82,7 +82,7 @@ fn nothing_leaks_from_an_axis_aligned_box() {
     let grid = 8;
     let p = |face: usize, i: usize, j: usize| {
         let (a, b) = (i as f32 / 4.0 - 1.0, j as f32 / 4.0 - 1.0);
-        let c = if face % 2 == 0 { -1.0 } else { 1.0 };
+        let c = if face.is_multiple_of(2) { -1.0 } else { 1.0 };
         let mut v = [0.0; 3];
         (v[face / 2], v[(face / 2 + 1) % 3], v[(face / 2 + 2) % 3]) = (c, a, b);
         v
@@ -109,6 +109,47 @@ fn nothing_leaks_from_an_axis_aligned_box() {
     }
     let found = ask_all(&[&accel], &rays);
     assert_eq!(found.iter().filter(|(hit, _)| hit.1 == MISS).count(), 0);
+}
+
+/// What makes trees harmless: no hit lies before its own box. Rays along planes, where the distance to a plane is noise.
+#[test]
+fn no_hit_lies_before_its_own_box() {
+    let mut rng = Random::new(26);
+    let (mut shapes, mut rays) = (Shapes::default(), Vec::new());
+    for i in 0..400 {
+        let v = [(); 3].map(|_| rng.point(1.5));
+        let v = if i % 2 == 0 {
+            v
+        } else {
+            [v[0], v[1], [0, 1, 2].map(|k| 0.5 * (v[0][k] + v[1][k]) + 1e-6 * rng.signed())]
+        };
+        shapes.push(v);
+        for _ in 0..60 {
+            let (a, b) = (2.0 * rng.signed(), 2.0 * rng.signed());
+            let at = |u: f32, w: f32| [0, 1, 2].map(|k| v[0][k] + u * (v[1][k] - v[0][k]) + w * (v[2][k] - v[0][k]));
+            let (from, to) = (at(a, b), at(rng.unit(), rng.unit()));
+            let tilt = 2f32.powf(-24.0 * rng.unit()) * 1e-3;
+            let o = from.map(|x| (x + tilt * rng.signed()).clamp(-1.9, 1.9));
+            rays.push(OneRay { o, d: [0, 1, 2].map(|k| to[k] - o[k]), t_max: f32::INFINITY });
+        }
+    }
+    let accel = shapes.everything(Preset::Medium);
+    let found = ask_all(&[&accel], &rays);
+    let mut tight = 0;
+    for ((hit, _), ray) in found.iter().zip(&rays).filter(|((hit, _), _)| hit.1 != MISS) {
+        let v = shapes.vertices(hit.1 as usize);
+        let t_near = (0..3).fold(0.0f32, |t_near, k| {
+            let (lo, hi) = v.iter().fold((f32::MAX, f32::MIN), |(lo, hi), p| (lo.min(p[k]), hi.max(p[k])));
+            let margin = octolux::geometry::BOX_MARGIN;
+            let plane = if ray.d[k].is_sign_negative() { hi + margin } else { lo - margin };
+            let t = (plane - ray.o[k]) * (1.0 / ray.d[k]);
+            if t > t_near { t } else { t_near }
+        });
+        assert!(f32::from_bits(hit.0) >= t_near, "{hit:?} {ray:?} enters its box at {t_near}");
+        tight += usize::from(f32::from_bits(hit.0) == t_near);
+    }
+    println!("{tight} hits were held to their box");
+    assert!(tight > 0, "no hit came near the bound: the test saw nothing");
 }
 
 #[test]

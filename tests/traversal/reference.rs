@@ -69,8 +69,11 @@ fn passes_near(o: V, d: V, p: [V; 3]) -> bool {
 /// Bound on how far the f32 test may misplace a triangle: its own box margin.
 const PLACE: f64 = 1.0 / 524_288.0;
 
+/// t, tolerance, primitive, u, v.
+type Certain = (f64, f64, u32, f64, f64);
+
 /// What f64 says of a ray: certain hits as (t, tolerance, primitive, u, v), and whether anything is too close to call.
-fn oracle(shapes: &Shapes, ray: &OneRay) -> (Vec<(f64, f64, u32, f64, f64)>, bool) {
+fn oracle(shapes: &Shapes, ray: &OneRay) -> (Vec<Certain>, bool) {
     let (o, d, t_max) = (wide(ray.o), wide(ray.d), f64::from(ray.t_max));
     let (mut hits, mut doubtful) = (Vec::new(), false);
     for i in 0..shapes.triangles.len() {

@@ -7,7 +7,7 @@ use octolux::lane::{Bits, Mask, Real, f32x8, f32x16};
 fn fetched<R: Real, const N: usize>() {
     let mut rng = Random::new(41);
     let table: Vec<[f32; N]> = (0..97).map(|_| [(); N].map(|_| rng.signed())).collect();
-    let rows = Rows::new(table.clone());
+    let rows = Rows::new(&table);
     for _ in 0..200 {
         let index: Vec<u32> = (0..R::WIDTH).map(|_| rng.below(97) as u32).collect();
         let bits = rng.below(1 << R::WIDTH) as u32;
@@ -15,8 +15,8 @@ fn fetched<R: Real, const N: usize>() {
         let lanes = R::Bits::from_fn(|i| if bits >> i & 1 != 0 { index[i] } else { u32::MAX - i as u32 });
         let got = rows.fetch::<R>(lanes, R::Mask::from_bits(bits));
         for (column, value) in got.iter().enumerate() {
-            for i in 0..R::WIDTH {
-                let row = if bits >> i & 1 != 0 { index[i] as usize } else { 0 };
+            for (i, index) in index.iter().enumerate() {
+                let row = if bits >> i & 1 != 0 { *index as usize } else { 0 };
                 assert_eq!(value.lane(i).to_bits(), table[row][column].to_bits(), "N {N} lane {i} column {column}");
             }
         }

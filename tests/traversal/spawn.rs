@@ -104,10 +104,11 @@ fn the_point_is_within_its_error() {
         for i in 0..N {
             let p = shapes.vertices(i).map(|p| p.map(f64::from));
             let (u, v) = (f64::from(u.lane(i)), f64::from(v.lane(i)));
-            for k in 0..3 {
+            let (found, error) = (point.p.lane(i), point.error.lane(i));
+            for (k, (found, error)) in found.into_iter().zip(error).enumerate() {
                 let exact = p[0][k] + u * (p[1][k] - p[0][k]) + v * (p[2][k] - p[0][k]);
-                let off = (exact - f64::from(point.p.lane(i)[k])).abs();
-                assert!(off <= f64::from(point.error.lane(i)[k]), "off by {off}");
+                let off = (exact - f64::from(found)).abs();
+                assert!(off <= f64::from(error), "off by {off}");
                 // Half an ulp each for the edges (weights sum to at most 1), v·e2, the sum of edges and the last sum.
                 let edges = [(p[1][k] - p[0][k]).abs(), (p[2][k] - p[0][k]).abs()];
                 let most = edges.into_iter().fold(exact.abs().max(p[0][k].abs()), f64::max);

@@ -95,23 +95,23 @@ fn run(accel: &Accel, rays: &RaySet, pass: Pass, threads: usize, out: &mut Outpu
                         pin_to_core(core);
                     }
                     ready.wait();
-                    let before = thread_cpu_seconds();
+                    let (start, before) = (Instant::now(), thread_cpu_seconds());
                     // A panic elsewhere poisons nothing that matters: the chunks are independent.
                     let take = || work.lock().unwrap_or_else(|e| e.into_inner()).next();
                     while let Some((i, (t, primitive))) = take() {
                         pass(accel, rays, i * CHUNK, t, primitive);
                     }
-                    (Instant::now(), thread_cpu_seconds() - before)
+                    (start, Instant::now(), thread_cpu_seconds() - before)
                 })
             })
             .collect();
         ready.wait();
-        let start = Instant::now();
-        let ends = workers.into_iter().filter_map(|worker| worker.join().ok());
-        ends.fold(Pace { wall: 1e-9, cpu: 1e-9 }, |pace, (end, cpu)| Pace {
-            wall: pace.wall.max(end.duration_since(start).as_secs_f64()),
-            cpu: pace.cpu + cpu,
-        })
+        let done: Vec<_> = workers.into_iter().filter_map(|worker| worker.join().ok()).collect();
+        // By the workers' own clocks: on a busy machine this thread may wake after they have finished.
+        let start = done.iter().map(|d| d.0).min();
+        let end = done.iter().map(|d| d.1).max();
+        let wall = start.zip(end).map_or(0.0, |(start, end)| end.duration_since(start).as_secs_f64());
+        Pace { wall: wall.max(1e-9), cpu: done.iter().map(|d| d.2).sum::<f64>().max(1e-9) }
     })
 }
 
