@@ -8,6 +8,7 @@ mod block;
 mod brute;
 mod build;
 mod collapse;
+mod facets;
 mod node;
 mod packet;
 mod single;
@@ -17,8 +18,9 @@ mod tree;
 use crate::geometry::{Bounds, Hit, Ray, RaySetup};
 use crate::lane::Real;
 use block::{SphereBlock, TriangleBlock};
-use brute::{SphereList, TriangleList};
+use brute::SphereList;
 pub use build::{BuildOptions, BuildReport, Preset};
+use facets::TriangleList;
 use std::time::Instant;
 use tree::Tree;
 

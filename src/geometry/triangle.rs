@@ -30,7 +30,7 @@ pub struct Shear<R> {
 
 impl<R: Real> Shear<R> {
     #[inline(always)]
-    fn apply(&self, p: [R; 3]) -> [R; 3] {
+    pub fn apply(&self, p: [R; 3]) -> Moved<R> {
         let [x, y, z] = axes(|k| p[k] - self.origin[k]);
         [self.scale[0].neg_mul_add(z, x), self.scale[1].neg_mul_add(z, y), z]
     }
@@ -105,24 +105,57 @@ pub struct Edges<R: Real> {
     depths: [R; 3],
 }
 
+/// A vertex in sheared space: x and y across the ray, z along its longest axis.
+pub type Moved<R> = [R; 3];
+
+/// The edge between two vertices as the triangles on its two sides compute it.
+#[derive(Clone, Copy, Debug)]
+pub struct SharedEdge<R>(R);
+
+impl<R: Real> SharedEdge<R> {
+    /// From `a` to `c`.
+    ///
+    /// The products of an edge function are plain: shared edges then give exactly opposite values, and monotone rounding
+    /// never flips a sign, so no ray passes between two triangles. (One fused multiply-add there loses 4.5 % of edge hits.)
+    #[inline(always)]
+    pub fn new(a: Moved<R>, c: Moved<R>) -> Self {
+        Self(a[0] * c[1] - a[1] * c[0])
+    }
+    /// For a triangle whose vertices 0 and 2 are `a` and `c`.
+    #[inline(always)]
+    pub fn as_edge1(self) -> R {
+        self.0
+    }
+    /// For a triangle whose vertices 0 and 1 are `a` and `c`.
+    #[inline(always)]
+    pub fn as_edge2(self) -> R {
+        R::zero() - self.0
+    }
+}
+
 /// The edge test, `None` where no lane of `active` passes: see [`edges`].
 #[inline(always)]
 pub fn pass_edges<R: Real>(shear: &Shear<R>, v: Vertices<R>, active: R::Mask) -> Option<Edges<R>> {
-    let edges = edges(shear, v, active);
+    let (a, b, c) = (shear.apply(v[0]), shear.apply(v[1]), shear.apply(v[2]));
+    let edges = edges_of(a, b, c, SharedEdge::new(a, c).as_edge1(), SharedEdge::new(b, a).as_edge1(), active);
     if edges.inside.none() { None } else { Some(edges) }
 }
 
-/// The edge test. `v` is in the order of [`RaySetup::order`].
-///
-/// The products of an edge function are plain: shared edges then give exactly opposite values, and monotone rounding
-/// never flips a sign, so no ray passes between two triangles. (One fused multiply-add there loses 4.5 % of edge hits.)
-/// Zero counts as inside.
+/// The edge test of (p, q, r) and of (p, r, s), whose common edge is computed once. Zero counts as inside.
 #[inline(always)]
-pub fn edges<R: Real>(shear: &Shear<R>, v: Vertices<R>, active: R::Mask) -> Edges<R> {
-    let (a, b, c) = (shear.apply(v[0]), shear.apply(v[1]), shear.apply(v[2]));
-    let edge0 = c[0] * b[1] - c[1] * b[0];
-    let edge1 = a[0] * c[1] - a[1] * c[0];
-    let edge2 = b[0] * a[1] - b[1] * a[0];
+pub fn first_of_pair<R: Real>(p: Moved<R>, q: Moved<R>, r: Moved<R>, pr: SharedEdge<R>, active: R::Mask) -> Edges<R> {
+    edges_of(p, q, r, pr.as_edge1(), SharedEdge::new(q, p).as_edge1(), active)
+}
+
+/// See [`first_of_pair`].
+#[inline(always)]
+pub fn second_of_pair<R: Real>(p: Moved<R>, r: Moved<R>, s: Moved<R>, pr: SharedEdge<R>, active: R::Mask) -> Edges<R> {
+    edges_of(p, r, s, SharedEdge::new(p, s).as_edge1(), pr.as_edge2(), active)
+}
+
+#[inline(always)]
+fn edges_of<R: Real>(a: Moved<R>, b: Moved<R>, c: Moved<R>, edge1: R, edge2: R, active: R::Mask) -> Edges<R> {
+    let edge0 = SharedEdge::new(c, b).as_edge1();
     let least = edge0.min_or(edge1).min_or(edge2);
     let most = edge0.max_or(edge1).max_or(edge2);
     let inside = (least.ge(R::zero()) | most.le(R::zero())) & active;
@@ -133,7 +166,14 @@ impl<R: Real> Edges<R> {
     /// Weights of vertices 1 and 2.
     #[inline(always)]
     pub fn weights(&self) -> (R, R) {
-        (self.weights[0] / self.sum, self.weights[1] / self.sum)
+        Self::normalised(self.weights, self.sum)
+    }
+
+    /// Weights of vertices 1 and 2 from edge values and their sum. A zero has no sign: which one an edge value has depends
+    /// on the triangle that it was computed for.
+    #[inline(always)]
+    pub fn normalised(weights: [R; 2], sum: R) -> (R, R) {
+        (weights[0] / sum + R::zero(), weights[1] / sum + R::zero())
     }
 
     /// [`Edges::distances`], `None` where no lane has one.
