@@ -6,7 +6,6 @@ use super::sphere::{self, sphere_pdf};
 use super::triangle::{self, Triangle, triangle_pdf};
 use super::{Emitter, EmitterShape, LightError};
 use crate::lane::{Bits, Mask, Real, Vec3};
-use core::marker::PhantomData;
 use std::f64::consts::PI;
 
 /// What a lane needs to sample one emitter: one cache line.
@@ -116,22 +115,18 @@ impl AreaLights {
     }
 }
 
-/// The rows that the lanes look at, found once for all fields.
-struct LaneRows<'a, R> {
-    rows: [&'a Row; MAX_WIDTH],
-    lanes: PhantomData<R>,
-}
+/// The rows that the lanes look at, a register a field.
+struct LaneRows<R>([R; 16]);
 
-impl<'a, R: Real> LaneRows<'a, R> {
+impl<R: Real> LaneRows<R> {
     #[inline(always)]
-    fn of(rows: &'a [Row], index: R::Bits) -> Self {
-        let row = |i| &rows[if i < R::WIDTH { index.lane(i) as usize } else { 0 }];
-        Self { rows: crate::lane::array::from_fn(row), lanes: PhantomData }
+    fn of(rows: &[Row], index: R::Bits) -> Self {
+        Self(R::fetch_rows(rows, index))
     }
 
     #[inline(always)]
     fn field(&self, k: usize) -> R {
-        R::from_fn(|i| self.rows[i][k])
+        self.0[k]
     }
 
     #[inline(always)]
