@@ -45,8 +45,8 @@ impl Facet {
     }
 
     #[inline(always)]
-    fn distances<R: Real>(&self, e: &Edges<R>, setup: &RaySetup<R>, v0: [R; 3], t_best: R) -> (R::Mask, R) {
-        e.distances(setup, v0, axes(|k| R::splat(self.normal[k])), R::splat(self.normal_size), t_best)
+    fn distances<R: Real>(&self, e: &Edges<R>, setup: &RaySetup<R>, v0: [R; 3]) -> (R::Mask, R) {
+        e.distances(setup, v0, axes(|k| R::splat(self.normal[k])), R::splat(self.normal_size))
     }
 
     /// Lanes of `mask` that pass the own box, and the distance held to it.
@@ -118,7 +118,7 @@ impl TriangleList {
         let mut best = *hit;
         let mut sum = R::one();
         self.visit(setup, active, |i, facet, edges, v0| {
-            let (mask, t) = facet.distances(edges, setup, v0, best.t);
+            let (mask, t) = facet.distances(edges, setup, v0);
             // In order of their index, so that the lower keeps a tie.
             let mask = mask & t.lt(best.t);
             let [u, v] = edges.weights;
@@ -142,7 +142,7 @@ impl TriangleList {
     fn closest_exact<R: Real>(&self, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>) {
         let t_max = hit.t;
         self.visit(setup, active, |i, facet, edges, v0| {
-            let (mask, t) = facet.distances(edges, setup, v0, hit.t);
+            let (mask, t) = facet.distances(edges, setup, v0);
             if mask.any() {
                 let (mask, t) = facet.own_box(setup, mask, t);
                 keep_triangle((*edges, mask, t), i, t_max, hit);
@@ -156,7 +156,7 @@ impl TriangleList {
     pub fn any<R: Real>(&self, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask {
         let mut open = active;
         self.visit(setup, active, |_, facet, edges, v0| {
-            let (mask, t) = facet.distances(edges, setup, v0, t_max);
+            let (mask, t) = facet.distances(edges, setup, v0);
             let mask = mask & open & t.lt(t_max);
             if mask.none() {
                 return false;

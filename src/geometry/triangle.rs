@@ -176,28 +176,22 @@ impl<R: Real> Edges<R> {
         (weights[0] / sum + R::zero(), weights[1] / sum + R::zero())
     }
 
-    /// [`Edges::distances`], `None` where no lane has one.
+    /// [`Edges::distances`] up to `t_best`, `None` where no lane has one.
     #[inline(always)]
     pub fn distance(&self, setup: &RaySetup<R>, v0: [R; 3], normal: [R; 3], t_best: R) -> Option<(R::Mask, R)> {
-        let (mask, t) = self.distances(setup, v0, normal, largest(normal), t_best);
+        let (mask, t) = self.distances(setup, v0, normal, largest(normal));
+        let mask = mask & t.le(t_best);
         if mask.none() { None } else { Some((mask, t)) }
     }
 
     /// Distances to the plane through `v0` with [`plane_normal`] `normal` (both in world order; `normal_size` is its
-    /// [`largest`] component), and the lanes where they are > 0 and ≤ `t_best`.
+    /// [`largest`] component), and the lanes where they are > 0.
     ///
     /// Not Woop's sum of weighted depths: the weights of a sliver carry an error of ε·length²/area, and with it t, so that
     /// rays hit the sliver they leave. The plane of a triangle is sure to ε·length wherever the triangle is, however
     /// thin. Seen from a low angle t is not ([`STEEP`]): [`Edges::grazing`] has those.
     #[inline(always)]
-    pub fn distances(
-        &self,
-        setup: &RaySetup<R>,
-        v0: [R; 3],
-        normal: [R; 3],
-        normal_size: R,
-        t_best: R,
-    ) -> (R::Mask, R) {
+    pub fn distances(&self, setup: &RaySetup<R>, v0: [R; 3], normal: [R; 3], normal_size: R) -> (R::Mask, R) {
         let along = dot(normal, setup.direction);
         let mut t = dot(normal, axes(|k| v0[k] - setup.origin[k])) / along;
         let steep = along.abs().ge(normal_size * (largest(setup.direction) * R::splat(STEEP)));
@@ -209,7 +203,7 @@ impl<R: Real> Edges<R> {
             hits = R::Mask::select(grazing, inside & hits_low, hits);
             t = R::select(grazing, t_low, t);
         }
-        (hits & t.le(t_best), t)
+        (hits, t)
     }
 
     /// Of rays that meet the plane at a low angle the plane's distance is held to what the vertices' own depths allow:
