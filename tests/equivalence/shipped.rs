@@ -56,5 +56,5 @@ fn the_cornell_box_faces_its_room() {
 
 /// Is the point on a wall, the floor, the ceiling or the lamp, not on a block above the floor?
 fn outermost([x, y, z]: [f64; 3]) -> bool {
-    y > 540.0 || x < 1.0 || x > 549.0 || z > 550.0
+    y > 540.0 || !(1.0..=549.0).contains(&x) || z > 550.0
 }
