@@ -107,7 +107,9 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
     let integrator = integrator(table.integrator.as_ref(), &text)?;
     let mut materials = Materials::new(defined_materials(&table.materials, &text)?);
     let spheres = spheres(&table.sphere, &mut materials, &text)?;
-    let environment = table.environment.map(|table| environment(&table, &text)).transpose()?;
+    // A view shows geometry: an environment image would be read for nothing.
+    let lit = table.environment.filter(|_| integrator.kind.transports_light());
+    let environment = lit.map(|table| environment(&table, &text)).transpose()?;
     let mut mesh = Mesh::default();
     for table in &table.mesh {
         add_mesh(table, &mut mesh, &mut materials, notes, &text)?;

@@ -127,3 +127,14 @@ fn views_read_zero_where_nothing_is_hit() {
         assert_ne!(pixel(12, 15), [0.0; 3], "{kind}: the floor is a hit");
     }
 }
+
+#[test]
+fn a_view_does_not_load_the_environment() {
+    let scratch = Scratch::new();
+    let scene = std::fs::read_to_string(scratch.path("scene.toml")).unwrap();
+    let image = scene.replace("radiance = [0.2, 0.3, 0.5]", "file = \"nowhere.exr\"");
+    std::fs::write(scratch.path("lit.toml"), &image).unwrap();
+    std::fs::write(scratch.path("view.toml"), format!("{image}\n[integrator]\nkind = \"hit\"\n")).unwrap();
+    assert_eq!(scratch.run(&["render", "lit.toml", "-o", "a.exr", "--spp", "1"]).status.code(), Some(2));
+    assert!(scratch.run(&["render", "view.toml", "-o", "a.exr", "--spp", "1"]).status.success());
+}
