@@ -43,6 +43,10 @@ pub struct Single;
 /// The lanes' rays in flight together, each on its own way: what [`Single`] is for, faster from 8 lanes on.
 #[derive(Clone, Copy, Debug)]
 pub struct Stream;
+/// Any-hit rays as a [`Packet`] where all lanes start beside each other and go into the same octant, else as a
+/// [`Stream`].
+#[derive(Clone, Copy, Debug)]
+pub struct Shadow;
 /// All lanes together through the tree: for rays that go the same way.
 #[derive(Clone, Copy, Debug)]
 pub struct Packet;

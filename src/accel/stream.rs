@@ -7,7 +7,7 @@
 use super::node::{Child, Node};
 use super::single::{Lanes, enter};
 use super::tree::{Block, OneHit, OneRay, STACK, Tree};
-use super::{Accel, Mode, Single, Stream};
+use super::{Accel, Mode, Packet, Shadow, Single, Stream};
 use crate::geometry::{Hit, MISS, RaySetup};
 use crate::lane::{Bits, Mask, Real, prefetch};
 use std::cell::RefCell;
@@ -184,5 +184,39 @@ impl Mode for Stream {
             });
         });
         R::Mask::from_bits(found)
+    }
+}
+
+/// Rays that start within this of each other, per axis, count as neighbours.
+const NEIGHBOURS: f32 = 1.0 / 32.0;
+
+/// Do the rays start beside each other and go into the same octant?
+#[inline(always)]
+fn coherent<R: Real>(setup: &RaySetup<R>, active: R::Mask) -> bool {
+    let all = active.bits();
+    let same_octant = (0..3).all(|k| {
+        let negative = (setup.negative[k] & active).bits();
+        negative == 0 || negative == all
+    });
+    let among = |value: R, other: f32| R::select(active, value, R::splat(other));
+    let spread = |o: R| among(o, f32::NEG_INFINITY).highest() - among(o, f32::INFINITY).lowest();
+    same_octant && setup.origin.iter().all(|&o| spread(o) <= NEIGHBOURS)
+}
+
+impl Mode for Shadow {
+    const TREE: bool = true;
+
+    #[inline(always)]
+    fn closest<R: Real>(accel: &Accel, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>) {
+        Stream::closest(accel, setup, active, hit)
+    }
+
+    #[inline(always)]
+    fn any<R: Real>(accel: &Accel, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask {
+        if coherent(setup, active) {
+            Packet::any(accel, setup, t_max, active)
+        } else {
+            Stream::any(accel, setup, t_max, active)
+        }
     }
 }

@@ -18,7 +18,7 @@ pub use probe::{Lanes, NoProbe, Probe, Record, Recorder, Stage};
 pub use tile::{Counters, Job, SampleBuffer};
 pub use world::{Prepare, Setup, World};
 
-use crate::accel::{Brute, Packet, Stream};
+use crate::accel::{Brute, Packet, Shadow, Stream};
 use crate::lane::{f32x8, f32x16};
 use crate::plan::{GeometryMode, Shading};
 use material::{AllModels, LambertOnly};
@@ -37,7 +37,7 @@ pub struct TreeTraversal;
 impl Traversal for TreeTraversal {
     type Camera = Packet;
     type Bounce = Stream;
-    type Shadow = Stream;
+    type Shadow = Shadow;
     const PRETRACED: bool = true;
 }
 

@@ -24,7 +24,7 @@ pub struct BenchRaysArgs {
     /// Numbers of pinned threads
     #[arg(long, value_delimiter = ',', default_value = "1")]
     pub threads: Vec<usize>,
-    /// auto (what the kernel would use), brute, single, packet, stream
+    /// auto (what the kernel would use), brute, single, packet, stream, shadow
     #[arg(long, value_delimiter = ',', default_value = "auto")]
     pub modes: Vec<TraceMode>,
     /// Timed passes over each set, after one that is not timed
@@ -43,6 +43,7 @@ pub enum TraceMode {
     Single,
     Packet,
     Stream,
+    Shadow,
 }
 
 /// Everything that was measured.
@@ -138,15 +139,12 @@ fn check(args: &BenchRaysArgs) -> Result<(), BenchRaysError> {
     Ok(())
 }
 
-/// From this many triangles on, nodes are so small that the rays of an incoherent packet share none of them.
-const FINE: usize = 1 << 19;
-
-/// Packets for rays that left one point together and for short any-hit rays, a stream once they have parted; no tree for
-/// a handful of triangles, unless a packet's box tests drop most of them at once.
+/// What the kernel does with such rays: see [`TreeTraversal`](crate::kernel::TreeTraversal).
 fn resolve(mode: TraceMode, triangles: usize, rays: &RaySet) -> TraceMode {
     match mode {
-        TraceMode::Auto if rays.coherent || rays.any && triangles < FINE => TraceMode::Packet,
         TraceMode::Auto if triangles <= BRUTE_LIMIT => TraceMode::Brute,
+        TraceMode::Auto if rays.coherent && !rays.any => TraceMode::Packet,
+        TraceMode::Auto if rays.any => TraceMode::Shadow,
         TraceMode::Auto => TraceMode::Stream,
         named => named,
     }

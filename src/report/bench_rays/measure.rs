@@ -2,7 +2,7 @@
 
 use super::files::RaySet;
 use super::{SetReport, TraceMode};
-use crate::accel::{Accel, Brute, Mode, Packet, Single, Stream};
+use crate::accel::{Accel, Brute, Mode, Packet, Shadow, Single, Stream};
 use crate::geometry::{MISS, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3, f32x8, f32x16};
 use crate::process::{allowed_cores, pin_to_core, thread_cpu_seconds};
@@ -43,7 +43,7 @@ pub fn measure(
     let (cpu, rates) = (rates(|p| p.cpu), rates(|p| p.wall));
     let hit = |i: &usize| out.primitive[*i] != MISS;
     let hits = (0..rays.count()).filter(hit);
-    let sum_t = hits.clone().filter(|_| !rays.any).map(|i| f64::from(out.t[i]) / f64::from(scale)).sum();
+    let sum_t = hits.clone().filter(|_| !rays.any).map(|i| f64::from(out.t[i]) / f64::from(scale)).sum::<f64>() + 0.0;
     SetReport {
         set: name.into(),
         threads,
@@ -70,6 +70,7 @@ fn pass(mode: TraceMode, lanes: usize) -> Pass {
     match mode {
         TraceMode::Brute => at::<Brute>(lanes),
         TraceMode::Packet => at::<Packet>(lanes),
+        TraceMode::Shadow => at::<Shadow>(lanes),
         TraceMode::Stream => at::<Stream>(lanes),
         TraceMode::Single | TraceMode::Auto => at::<Single>(lanes),
     }
