@@ -5,7 +5,7 @@
 //! that turns the interpolant into the density is kept per cell, computed from the tables as rounded: 12 bytes a cell.
 
 use super::alias::{self, Builder, Slot};
-use crate::lane::{Bits, Mask, Real};
+use crate::lane::{Bits, Mask, Real, prefetch};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -96,6 +96,12 @@ impl Density {
         let south = (R::from_int(cell) + R::from_int(cell)).gt(R::splat(height as f32));
         let row = R::Bits::select(south, R::Bits::splat(height as u32) - cell, cell);
         Cell { column, row, south, x, y: u[1] }
+    }
+
+    /// Starts to fetch what [`Density::scale`] will read.
+    #[inline(always)]
+    pub(super) fn prefetch_scale(&self, row: usize, column: usize, south: bool) {
+        prefetch(self.scale.as_ptr().wrapping_add(self.shape.row_cell(row, south) * self.shape.width + column));
     }
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 use super::density::{Density, Shape};
 use crate::lane::array::map;
 use crate::lane::math::{atan2, sincos_2pi};
-use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::lane::{Bits, Mask, Real, Vec3, prefetch};
 use crate::scene::EnvironmentImage;
 use core::f32::consts::FRAC_1_PI;
 use rayon::prelude::*;
@@ -42,6 +42,9 @@ struct Corners<R> {
     radiance: [[Vec3<R>; 2]; 2],
     weight: [[R; 2]; 2],
 }
+
+/// The largest number of lanes.
+const MAX_WIDTH: usize = 16;
 
 impl ImageMap {
     /// `None` where the image is black.
@@ -147,15 +150,24 @@ impl ImageMap {
 
     #[inline(always)]
     fn corners<R: Real>(&self, place: &Place<R>) -> Corners<R> {
-        let mut radiance = [[Vec3::zero(); 2]; 2];
-        let mut weight = [[R::zero(); 2]; 2];
-        for lane in 0..R::WIDTH {
+        // All addresses first: the fetches of sixteen lanes then wait for the cache together.
+        let mut at = [[[0; 2]; 2]; MAX_WIDTH];
+        for (lane, at) in at.iter_mut().enumerate().take(R::WIDTH) {
             let left = place.column.lane(lane) as usize;
             let columns = [left, if left + 1 == self.shape.width { 0 } else { left + 1 }];
-            let rows = self.shape.corner_rows(place.row.lane(lane) as usize, place.south.lane(lane));
-            for (i, row) in rows.into_iter().enumerate() {
-                for (j, column) in columns.into_iter().enumerate() {
-                    let [r, g, b, w] = self.texels[row * self.shape.width + column];
+            let (row, south) = (place.row.lane(lane) as usize, place.south.lane(lane));
+            self.density.prefetch_scale(row, left, south);
+            let rows = self.shape.corner_rows(row, south);
+            *at = map(rows, |row| map(columns, |column| row * self.shape.width + column));
+            prefetch(self.texels.as_ptr().wrapping_add(at[0][0]));
+            prefetch(self.texels.as_ptr().wrapping_add(at[1][0]));
+        }
+        let mut radiance = [[Vec3::zero(); 2]; 2];
+        let mut weight = [[R::zero(); 2]; 2];
+        for (lane, at) in at.iter().enumerate().take(R::WIDTH) {
+            for i in 0..2 {
+                for j in 0..2 {
+                    let [r, g, b, w] = self.texels[at[i][j]];
                     radiance[i][j].set_lane(lane, [r, g, b]);
                     weight[i][j].set_lane(lane, w);
                 }
