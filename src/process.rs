@@ -6,11 +6,14 @@ use nix::unistd::Pid;
 use std::sync::OnceLock;
 use std::time::Instant;
 
-/// Wall-clock seconds since this process was started by exec, by the kernel's record where it can be read, else since
-/// the first call.
+/// Wall-clock seconds since this process was started by exec, by the kernel's record where it can be read, else (and
+/// under `cargo run`) since the first call.
 pub fn seconds_since_process_start() -> f64 {
     static ORIGIN: OnceLock<(Instant, f64)> = OnceLock::new();
-    let (instant, age) = ORIGIN.get_or_init(|| (Instant::now(), process_age().unwrap_or(0.0)));
+    // `cargo run` becomes the program it has built: the process is then as old as the compilation.
+    let under_cargo = || std::env::var_os("CARGO").is_some();
+    let age = || if under_cargo() { 0.0 } else { process_age().unwrap_or(0.0) };
+    let (instant, age) = ORIGIN.get_or_init(|| (Instant::now(), age()));
     age + instant.elapsed().as_secs_f64()
 }
 
