@@ -5,7 +5,7 @@ use super::world::World;
 use crate::accel::Mode;
 use crate::film::AovSample;
 use crate::geometry::{Hit, Ray};
-use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
 use crate::sampling::dimensions::PIXEL;
 use crate::sampling::{Xoshiro, sample_key};
 
@@ -28,9 +28,6 @@ impl Job {
         (self.width * self.height * self.samples) as usize
     }
 }
-
-/// The largest number of lanes.
-const MAX_WIDTH: usize = 16;
 
 /// What each sample of a job found, one slot a sample.
 #[derive(Default)]

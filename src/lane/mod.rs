@@ -25,6 +25,9 @@ use wide_impl::{MaskOps, reinterpret, wide_lanes, wide_masks};
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
+/// The most lanes there are: the length of arrays that hold one value a lane at any width.
+pub const MAX_WIDTH: usize = 16;
+
 /// A truth value per lane.
 pub trait Mask:
     Copy + Debug + Not<Output = Self> + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Send + Sync

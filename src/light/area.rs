@@ -5,7 +5,7 @@ use super::sample::LightPoint;
 use super::sphere::{self, sphere_pdf};
 use super::triangle::{self, Triangle, triangle_pdf};
 use super::{Emitter, EmitterShape, LightError};
-use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
 use std::f64::consts::PI;
 
 /// What a lane needs to sample one emitter: one cache line.
@@ -13,9 +13,6 @@ use std::f64::consts::PI;
 /// Triangle: p0, e1, e2, unit front normal, radiance, choice probability / area.
 /// Sphere: centre, radius, –, radiance, choice probability.
 type Row = [f32; 16];
-
-/// The widest lanes there are.
-const MAX_WIDTH: usize = 16;
 
 const P0: usize = 0;
 const E1: usize = 3;

@@ -3,7 +3,7 @@
 use super::density::{Density, Shape};
 use crate::lane::array::map;
 use crate::lane::math::{atan2, sincos_2pi};
-use crate::lane::{Bits, Mask, Real, Vec3, prefetch};
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3, prefetch};
 use crate::scene::EnvironmentImage;
 use core::f32::consts::FRAC_1_PI;
 use rayon::prelude::*;
@@ -42,9 +42,6 @@ struct Corners<R> {
     radiance: [[Vec3<R>; 2]; 2],
     weight: [[R; 2]; 2],
 }
-
-/// The largest number of lanes.
-const MAX_WIDTH: usize = 16;
 
 impl ImageMap {
     /// `None` where the image is black.
