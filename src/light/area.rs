@@ -153,7 +153,7 @@ fn choice_table(emitters: &[Emitter]) -> (Vec<Slot>, Vec<f64>) {
     let weights: Vec<f32> = emitters.iter().map(|e| (e.power() / strongest) as f32).collect();
     let mut table = vec![Slot::default(); weights.len()];
     let mut probability = vec![0.0; weights.len()];
-    Builder::default().fill(&weights, &mut table);
+    Builder::default().fill(&weights, &mut table, alias::GRID);
     alias::probabilities(&table, &mut probability);
     (table, probability)
 }

@@ -2,10 +2,11 @@
 //!
 //! The density wanted is the bilinear interpolant of weights given at the centres, 0 at the poles. A cell is chosen by
 //! a table of its row and that row's table of columns; the position in the cell follows from its corners. The factor
-//! that turns the interpolant into the density is kept per cell, computed from the tables as rounded: 12 bytes a cell.
+//! that turns the interpolant into the density is computed per cell from the tables as rounded. Look-ups wait for the
+//! cache: so an entry is four bytes, and the factor is kept by the caller beside the radiance it is read with.
 
-use super::alias::{self, Builder, Slot};
-use crate::lane::{Bits, Mask, Real, prefetch};
+use super::alias::{self, Builder, Packing, Slot};
+use crate::lane::{Bits, MAX_WIDTH, Real};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -27,7 +28,7 @@ impl Shape {
 
     /// Row cells are numbered from north to south, one more than rows.
     #[inline(always)]
-    fn row_cell(self, row: usize, south: bool) -> usize {
+    pub(super) fn row_cell(self, row: usize, south: bool) -> usize {
         if south { self.height - row } else { row }
     }
 }
@@ -36,9 +37,8 @@ impl Shape {
 pub(super) struct Density {
     shape: Shape,
     rows: Vec<Slot>,
-    columns: Vec<Slot>,
-    /// pdf_ω · sin θ / interpolated weight.
-    scale: Vec<f32>,
+    packing: Packing,
+    columns: Vec<u32>,
 }
 
 /// A chosen cell, and what is left of the random numbers for the position in it: `x` between the columns, `y`
@@ -53,22 +53,26 @@ pub(super) struct Cell<R: Real> {
 }
 
 impl Density {
-    /// `weight(row, column)` ≥ 0 at the texel centres, not all 0.
-    pub(super) fn build(shape: Shape, weight: impl Fn(usize, usize) -> f32 + Sync) -> Self {
+    /// `weight(row, column)` ≥ 0 at the texel centres, not all 0. Also pdf_ω · sin θ / interpolated weight of each cell,
+    /// row by row from the north, one row more than texels have.
+    pub(super) fn build(shape: Shape, weight: impl Fn(usize, usize) -> f32 + Sync) -> (Self, Vec<f32>) {
         let Shape { width, height } = shape;
-        let mut columns = vec![Slot::default(); (height + 1) * width];
+        let packing = Packing::new(width);
+        let mut columns = vec![0; (height + 1) * width];
         let mut scale = vec![0.0f32; (height + 1) * width];
         let lines = columns.par_chunks_mut(width).zip(scale.par_chunks_mut(width)).enumerate();
         let line_mass: Vec<f64> = lines
-            .map_init(Scratch::default, |scratch, (j, (slots, scale))| {
-                scratch.line(shape, j, &weight, slots, scale) * cell_height(shape, j)
+            .map_init(Scratch::default, |scratch, (j, (words, scale))| {
+                let mass = scratch.line(shape, j, &weight, packing, scale) * cell_height(shape, j);
+                words.iter_mut().zip(&scratch.slots).enumerate().for_each(|(i, (w, slot))| *w = packing.pack(i, *slot));
+                mass
             })
             .collect();
 
         let heaviest = line_mass.iter().fold(0.0, |a: f64, &b| a.max(b));
         let relative: Vec<f32> = line_mass.iter().map(|m| (m / heaviest) as f32).collect();
         let mut rows = vec![Slot::default(); height + 1];
-        Builder::default().fill(&relative, &mut rows);
+        Builder::default().fill(&relative, &mut rows, alias::GRID);
         let mut row_probability = vec![0.0; height + 1];
         alias::probabilities(&rows, &mut row_probability);
         for (j, line) in scale.chunks_exact_mut(width).enumerate() {
@@ -76,11 +80,11 @@ impl Density {
             let factor = per_area / (2.0 * PI * PI);
             line.iter_mut().for_each(|s| *s = (f64::from(*s) * factor) as f32);
         }
-        Self { shape, rows, columns, scale }
+        (Self { shape, rows, packing, columns }, scale)
     }
 
     pub(super) fn memory(&self) -> usize {
-        size_of_val(&*self.rows) + size_of_val(&*self.columns) + size_of_val(&*self.scale)
+        size_of_val(&*self.rows) + size_of_val(&*self.columns)
     }
 
     #[inline(always)]
@@ -91,25 +95,14 @@ impl Density {
         let (place, _) = alias::place(height + 1, u_choice, fine_0);
         let cell = alias::resolve(place, keep_row, |i| self.rows[place.lane(i) as usize]);
         let (place, x) = alias::place(width, u[0], fine_1);
-        let slot = |i: usize| self.columns[cell.lane(i) as usize * width + place.lane(i) as usize];
-        let column = alias::resolve(place, keep_column, slot);
+        let mut words = [0; MAX_WIDTH];
+        for (i, word) in words.iter_mut().enumerate().take(R::WIDTH) {
+            *word = self.columns[cell.lane(i) as usize * width + place.lane(i) as usize];
+        }
+        let column = self.packing.resolve(place, keep_column, &words);
         let south = (R::from_int(cell) + R::from_int(cell)).gt(R::splat(height as f32));
         let row = R::Bits::select(south, R::Bits::splat(height as u32) - cell, cell);
         Cell { column, row, south, x, y: u[1] }
-    }
-
-    /// Starts to fetch what [`Density::scale`] will read.
-    #[inline(always)]
-    pub(super) fn prefetch_scale(&self, row: usize, column: usize, south: bool) {
-        prefetch(self.scale.as_ptr().wrapping_add(self.shape.row_cell(row, south) * self.shape.width + column));
-    }
-
-    #[inline(always)]
-    pub(super) fn scale<R: Real>(&self, row: R::Bits, column: R::Bits, south: R::Mask) -> R {
-        R::from_fn(|i| {
-            let cell = self.shape.row_cell(row.lane(i) as usize, south.lane(i));
-            self.scale[cell * self.shape.width + column.lane(i) as usize]
-        })
     }
 }
 
@@ -122,17 +115,18 @@ fn cell_height(shape: Shape, j: usize) -> f64 {
 struct Scratch {
     builder: Builder,
     weights: Vec<f32>,
+    slots: Vec<Slot>,
     probability: Vec<f64>,
 }
 
 impl Scratch {
-    /// One row of cells: fills its table, leaves P(column | row) / mean weight in `scale`, returns the sum of the means.
+    /// One row of cells: fills `slots`, leaves P(column | row) / mean weight in `scale`, returns the sum of the means.
     fn line(
         &mut self,
         shape: Shape,
         j: usize,
         weight: &impl Fn(usize, usize) -> f32,
-        slots: &mut [Slot],
+        packing: Packing,
         scale: &mut [f32],
     ) -> f64 {
         let Shape { width, height } = shape;
@@ -149,9 +143,10 @@ impl Scratch {
             self.weights.push((0.25 * (left + right)) as f32);
             left = right;
         }
-        let total = self.builder.fill(&self.weights, slots);
+        self.slots.resize(width, Slot::default());
+        let total = self.builder.fill(&self.weights, &mut self.slots, packing.grid());
         self.probability.resize(width, 0.0);
-        alias::probabilities(slots, &mut self.probability);
+        alias::probabilities(&self.slots, &mut self.probability);
         for ((scale, &weight), &p) in scale.iter_mut().zip(&self.weights).zip(&self.probability) {
             *scale = if weight > 0.0 { (p / f64::from(weight)) as f32 } else { 0.0 };
         }

@@ -15,9 +15,12 @@ const POLE: f32 = 1e-18;
 /// The image with its sampling density.
 pub struct ImageMap {
     shape: Shape,
-    /// Row-major r, g, b, weight: the weight is what sampling is proportional to at the texel's centre, relative to
-    /// the largest.
+    /// Row-major r, g, b, and pdf_ω · sin θ / weight of the cell above and to the right, which needs one row
+    /// more than the image has.
     texels: Vec<[f32; 4]>,
+    /// What sampling is proportional to at a texel's centre is the sum of its channels times this of its row: their
+    /// mean relative to the largest, times the row's sin θ.
+    row_weight: Vec<f32>,
     density: Density,
 }
 
@@ -41,6 +44,8 @@ pub(super) struct Place<R: Real> {
 struct Corners<R> {
     radiance: [[Vec3<R>; 2]; 2],
     weight: [[R; 2]; 2],
+    /// pdf_ω · sin θ / interpolated weight.
+    scale: R,
 }
 
 impl ImageMap {
@@ -52,20 +57,22 @@ impl ImageMap {
         if largest <= 0.0 {
             return None;
         }
-        let mut texels = vec![[0.0; 4]; image.texels.len()];
-        let lines = texels.par_chunks_mut(image.width).zip(image.texels.par_chunks(image.width)).enumerate();
-        lines.for_each(|(row, (texels, line))| {
-            let sin_theta = (std::f64::consts::PI * (row as f64 + 0.5) / image.height as f64).sin();
-            for (texel, t) in texels.iter_mut().zip(line) {
-                *texel = [t[0], t[1], t[2], (mean(t) / largest * sin_theta) as f32];
-            }
-        });
-        let density = Density::build(shape, |row, column| texels[row * shape.width + column][3]);
-        Some(Self { shape, texels, density })
+        let sin_theta = |row: usize| (std::f64::consts::PI * (row as f64 + 0.5) / image.height as f64).sin();
+        // A tiny `largest` would leave the range of f32; only ratios matter.
+        let row_weight: Vec<f32> =
+            (0..image.height).map(|row| (sin_theta(row) / (3.0 * largest)).min(f64::from(f32::MAX)) as f32).collect();
+        let weight = |row: usize, column: usize| {
+            let [r, g, b] = image.texels[row * image.width + column];
+            weight(Vec3::new(r, g, b), row_weight[row])
+        };
+        let (density, scale) = Density::build(shape, weight);
+        let last_row = &image.texels[image.texels.len() - image.width..];
+        let texels = image.texels.par_iter().chain(last_row).zip(&scale).map(|([r, g, b], s)| [*r, *g, *b, *s]);
+        Some(Self { shape, texels: texels.collect(), row_weight, density })
     }
 
     pub(super) fn memory(&self) -> usize {
-        size_of_val(&*self.texels) + self.density.memory()
+        size_of_val(&*self.texels) + size_of_val(&*self.row_weight) + self.density.memory()
     }
 
     #[inline(always)]
@@ -140,41 +147,45 @@ impl ImageMap {
     /// pdf_ω = pdf_uv / (2π² sinθ).
     #[inline(always)]
     fn pdf<R: Real>(&self, place: &Place<R>, corners: &Corners<R>, sin_theta: R) -> R {
-        let scale: R = self.density.scale(place.row, place.column, place.south);
-        let pdf = scale * corners.weight_at(place) / sin_theta;
+        let pdf = corners.scale * corners.weight_at(place) / sin_theta;
         pdf.masked(pdf.is_finite())
     }
 
     #[inline(always)]
     fn corners<R: Real>(&self, place: &Place<R>) -> Corners<R> {
         // All addresses first: the fetches of sixteen lanes then wait for the cache together.
-        let mut at = [[[0; 2]; 2]; MAX_WIDTH];
-        for (lane, at) in at.iter_mut().enumerate().take(R::WIDTH) {
+        let mut at = [[0; MAX_WIDTH]; 5];
+        let mut row_weight = [[0.0; MAX_WIDTH]; 2];
+        for lane in 0..R::WIDTH {
             let left = place.column.lane(lane) as usize;
-            let columns = [left, if left + 1 == self.shape.width { 0 } else { left + 1 }];
+            let right = if left + 1 == self.shape.width { 0 } else { left + 1 };
             let (row, south) = (place.row.lane(lane) as usize, place.south.lane(lane));
-            self.density.prefetch_scale(row, left, south);
-            let rows = self.shape.corner_rows(row, south);
-            *at = map(rows, |row| map(columns, |column| row * self.shape.width + column));
-            prefetch(self.texels.as_ptr().wrapping_add(at[0][0]));
-            prefetch(self.texels.as_ptr().wrapping_add(at[1][0]));
-        }
-        let mut radiance = [[Vec3::zero(); 2]; 2];
-        let mut weight = [[R::zero(); 2]; 2];
-        for (lane, at) in at.iter().enumerate().take(R::WIDTH) {
-            for i in 0..2 {
-                for j in 0..2 {
-                    let [r, g, b, w] = self.texels[at[i][j]];
-                    radiance[i][j].set_lane(lane, [r, g, b]);
-                    weight[i][j].set_lane(lane, w);
-                }
+            for (i, row) in self.shape.corner_rows(row, south).into_iter().enumerate() {
+                at[2 * i][lane] = (row * self.shape.width + left) as u32;
+                at[2 * i + 1][lane] = (row * self.shape.width + right) as u32;
+                row_weight[i][lane] = self.row_weight[row];
+                prefetch(self.texels.as_ptr().wrapping_add(row * self.shape.width + left));
             }
+            at[4][lane] = (self.shape.row_cell(row, south) * self.shape.width + left) as u32;
         }
+        let radiance = map([[0, 1], [2, 3]], |corners| {
+            map(corners, |k| {
+                let [r, g, b, _] = R::fetch_rows(&self.texels, R::Bits::load(&at[k]));
+                Vec3::new(r, g, b)
+            })
+        });
         // Nothing is lost towards a pole, where sin θ takes the weight to 0 whatever the radiance.
-        let inner = !place.is_polar();
-        weight[0] = map(weight[0], |w| w.masked(inner));
-        Corners { radiance, weight }
+        let near = R::load(&row_weight[0]).masked(!place.is_polar());
+        let far = R::load(&row_weight[1]);
+        let weight = [map(radiance[0], |c| weight(c, near)), map(radiance[1], |c| weight(c, far))];
+        Corners { radiance, weight, scale: R::from_fn(|lane| self.texels[at[4][lane] as usize][3]) }
     }
+}
+
+/// The sum of the channels times `row`, in a form that does not overflow where the products do not.
+#[inline(always)]
+fn weight<R: Real>(c: Vec3<R>, row: R) -> R {
+    c.x.mul_add(row, c.y.mul_add(row, c.z * row))
 }
 
 impl<R: Real> Place<R> {
