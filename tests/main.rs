@@ -10,6 +10,7 @@ mod film;
 mod independent;
 mod lane;
 mod light;
+mod numerics;
 mod oracle;
 mod references;
 mod renders;

@@ -4,8 +4,11 @@
 //! Two comparisons, both against width 1 on one thread with the general kernel: whole images over combinations of
 //! width, threads, tile and plan ([`images`]); and every tapped value of every path ([`stages`]), which names the first
 //! that differs.
+//!
+//! [`numerics`] is about the build and the CPU rather than a scene: the catalogue of extreme cases.
 
 mod images;
+pub mod numerics;
 mod stages;
 
 pub use images::{ImageCase, compare_images};

@@ -1,6 +1,7 @@
 //! `octolux check`: prints what was compared and, where something differs, how to replay it.
 
 use super::CliError;
+use super::check_numerics::{self, NumericsArgs};
 use super::scene_args::SceneArgs;
 use crate::check::{Difference, ImageCase, StageReport, compare_images, compare_stages};
 use crate::kernel::{Stage, Width, World};
@@ -10,9 +11,13 @@ use crate::plan::{BRUTE_FORCE_LIMIT, Force, GeometryMode};
 const BRUTE_FORCE_CHECK_LIMIT: usize = 20_000;
 
 #[derive(clap::Args)]
+#[command(mut_arg("scene", |scene| scene.required(false).required_unless_present("numerics")))]
 pub struct CheckArgs {
+    /// `None` with `--numerics`
     #[command(flatten)]
-    scene: SceneArgs,
+    scene: Option<SceneArgs>,
+    #[command(flatten)]
+    numerics: NumericsArgs,
     /// Samples a pixel
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=4096))]
     spp: u32,
@@ -40,9 +45,10 @@ struct Report {
 }
 
 pub fn run(args: &CheckArgs) -> Result<bool, CliError> {
-    let scene = args.scene.load()?;
+    let Some(scene_args) = &args.scene else { return check_numerics::run(&args.numerics, args.json) };
+    let scene = scene_args.load()?;
     let primitives = scene.mesh.triangles.len() + scene.spheres.len();
-    let world = |force: Force| args.scene.prepare(&scene, force, false);
+    let world = |force: Force| scene_args.prepare(&scene, force, false);
     let geometry = |mode| Force { general: true, geometry: Some(mode) };
     let general = world(geometry(GeometryMode::Tree))?;
     let planned = world(Force::default())?;
@@ -68,12 +74,12 @@ pub fn run(args: &CheckArgs) -> Result<bool, CliError> {
     if args.json {
         println!("{}", serde_json::to_string_pretty(&report).map_err(|e| CliError::Usage(e.to_string()))?);
     } else {
-        print_report(&report, args);
+        print_report(&report, scene_args);
     }
     Ok(equal)
 }
 
-fn print_report(report: &Report, args: &CheckArgs) {
+fn print_report(report: &Report, args: &SceneArgs) {
     for (name, stages) in &report.stages {
         println!(
             "{name}: {} values of {} samples, {} samples differ",
@@ -99,7 +105,7 @@ fn print_report(report: &Report, args: &CheckArgs) {
     println!("{}", if report.equal { "all bits equal" } else { "bits differ" });
 }
 
-fn print_difference(d: &Difference, report: &Report, args: &CheckArgs) {
+fn print_difference(d: &Difference, report: &Report, args: &SceneArgs) {
     let value = |bits: u32| format!("{bits:08x} ({})", f32::from_bits(bits));
     let found = d.found_bits.map_or("nothing: the path had ended".to_string(), value);
     println!(
@@ -113,9 +119,9 @@ fn print_difference(d: &Difference, report: &Report, args: &CheckArgs) {
         d.lanes,
         value(d.expected_bits)
     );
-    let size = args.scene.size.map_or(String::new(), |s| format!(" --size {}x{}", s.width, s.height));
+    let size = args.size.map_or(String::new(), |s| format!(" --size {}x{}", s.width, s.height));
     println!(
         "  replay: octolux replay {} --pixel {},{} --sample {} --seed {}{size}",
-        report.scene, d.x, d.y, d.sample, args.scene.seed
+        report.scene, d.x, d.y, d.sample, args.seed
     );
 }

@@ -2,6 +2,7 @@
 
 mod bench;
 mod check;
+mod check_numerics;
 mod error;
 mod render;
 mod replay;
@@ -26,7 +27,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Compare two EXR images: RMSE, relMSE, mean ratio, z-scores
     Compare(crate::report::CompareArgs),
-    /// Prove on a scene that lane width, threads, tiles and specialisation leave no trace in the bits
+    /// Prove on a scene that lane width, threads, tiles and specialisation leave no trace in the bits; or with
+    /// --numerics hold this build on this CPU to the catalogue of extreme cases
     Check(check::CheckArgs),
     /// Print one path: every value computed for a pixel's sample
     Replay(replay::ReplayArgs),

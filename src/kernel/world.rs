@@ -4,7 +4,7 @@ use super::camera::Camera;
 use super::material::MaterialTable;
 use crate::accel::{Accel, BuildOptions, BuildReport, Mode, Preset};
 use crate::geometry::{Hit, Ray, Rows, SphereAt, SphereRows, TriangleRows};
-use crate::lane::{Bits, Real, Vec3};
+use crate::lane::{Bits, Real, Vec3, float_mode};
 use crate::light::{Emitter, EmitterShape, LightError, LightSample, Lights};
 use crate::plan::{GeometryMode, Plan};
 use crate::scene::{FilmSize, Integrator, NO_NORMAL, Scene};
@@ -60,6 +60,12 @@ impl World {
     /// The lights cannot be tabulated (their power is not finite).
     pub fn new(scene: &Scene, plan: Plan, options: Prepare) -> Result<World, LightError> {
         let start = Instant::now();
+        if !float_mode::is_default() {
+            log::warn!(
+                "the calling thread has another floating-point mode than IEEE 754's default (subnormals flushed, or \
+                 another rounding): bits may differ from those of other programs; prepare scenes on a thread without it"
+            );
+        }
         let scale = power_of_two_scale(scene);
         let positions: Vec<[f32; 3]> = scene.mesh.positions.iter().map(|p| p.map(|x| x * scale)).collect();
         let spheres: Vec<([f32; 3], f32)> =

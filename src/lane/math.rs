@@ -17,7 +17,7 @@ fn polynomial<R: Real, const N: usize>(x: R, c: [f32; N]) -> R {
     sum
 }
 
-/// Sine and cosine of 2πu: ≤ 1 ulp each. Domain: `u` in [0, 1]; outside it, finite for finite `u`, unspecified.
+/// Sine and cosine of 2πu: ≤ 1 ulp each. Domain: `u` in [0, 1]; outside it unspecified, finite while |u| < 2¹²⁶.
 ///
 /// Exact at the multiples of 1/4 (a zero may carry either sign).
 #[inline(always)]

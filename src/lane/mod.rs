@@ -9,6 +9,7 @@
 //! This folder is the only place that names `wide` or `core::arch`.
 
 pub mod array;
+pub mod float_mode;
 pub mod math;
 mod shuffle;
 mod vec3;
@@ -18,7 +19,7 @@ mod width16;
 mod width8;
 
 pub use shuffle::prefetch;
-pub use vec3::{Vec3, axes};
+pub use vec3::{Vec3, axes, difference_of_products};
 pub use wide::{f32x8, f32x16};
 use wide_impl::{MaskOps, reinterpret, wide_lanes, wide_masks};
 

@@ -11,6 +11,7 @@ pub use summary::{Summary, Times};
 
 use crate::film::{AovSample, Film, FilmChannels, TileFilm};
 use crate::kernel::{Counters, Job, Kernel, SampleBuffer, Width, World, select};
+use crate::lane::float_mode;
 use crate::process::{allowed_cores, pin_to_core, seconds_since_process_start};
 use budget::Pacer;
 use rayon::prelude::*;
@@ -47,12 +48,17 @@ pub struct Outcome {
     pub render_seconds: f64,
 }
 
-/// Worker threads, pinned to nothing, none of them the global pool's.
+/// Worker threads, pinned to nothing, none of them the global pool's, each with the default
+/// [floating-point mode](crate::lane::float_mode).
 ///
 /// # Errors
 /// The operating system gives no thread.
 pub fn thread_pool(threads: usize) -> Result<rayon::ThreadPool, rayon::ThreadPoolBuildError> {
-    rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("octolux-{i}")).build()
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|i| format!("octolux-{i}"))
+        .start_handler(|_| float_mode::restore())
+        .build()
 }
 
 /// The same with thread i pinned to the i-th core this process may use: for measuring.
@@ -63,7 +69,12 @@ pub fn pinned_thread_pool(threads: usize) -> Result<rayon::ThreadPool, rayon::Th
     let cores = allowed_cores();
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
-        .start_handler(move |i| cores.get(i % cores.len().max(1)).copied().map_or((), pin_to_core))
+        .start_handler(move |i| {
+            float_mode::restore();
+            if let Some(&core) = cores.get(i % cores.len().max(1)) {
+                pin_to_core(core);
+            }
+        })
         .build()
 }
 

@@ -1,13 +1,13 @@
 //! GGX against its closed forms: the density's peak, albedo, variance and losses of visible-normal sampling.
 
 use super::{at, direction, reference, white_metal};
-use crate::lane::ulp::spacing;
 use crate::sampling::draw::one_by_one;
 use crate::stats::{
     self, Moments, OracleCase, assert_mean, assert_variance, oracles_in, sidak_alpha, special::poisson_tail,
 };
 use octolux::bsdf::Model;
 use octolux::bsdf::ggx::Ggx;
+use octolux::check::numerics::ulp::spacing;
 use octolux::lane::{Real, Vec3, f32x8};
 use octolux::sampling::warp;
 

@@ -41,3 +41,31 @@ fn replay_prints_the_path_that_check_names() {
         assert!(one.contains(word), "{one}");
     }
 }
+
+#[test]
+fn the_numerics_catalogue_is_a_table_and_json() {
+    let scratch = Scratch::new();
+    let output = scratch.run(&["check", "--numerics", "--quick", "--only", "lane maths"]);
+    let said = text(&output.stdout);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("| lane maths: exp |") && said.contains("all cases pass"), "{said}");
+    let json = scratch.json(&["check", "--numerics", "--quick", "--only", "two", "--json"]);
+    assert_eq!(json["pass"], true);
+    assert!(json["rows"].as_array().unwrap().iter().all(|row| row["worst"].is_number() && row["count"] != 0));
+}
+
+#[test]
+fn numerics_take_no_scene_and_a_scene_no_effort() {
+    let scratch = Scratch::new();
+    for bad in [
+        &["check", "--numerics", "scene.toml"][..],
+        &["check", "scene.toml", "--full"],
+        &["check", "--quick"],
+        &["check"],
+    ] {
+        assert_eq!(scratch.run(bad).status.code(), Some(2), "{bad:?}");
+    }
+    let output = scratch.run(&["check", "--numerics", "--only", "nonsense"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("lane maths"), "{}", text(&output.stderr));
+}

@@ -18,7 +18,7 @@ fn bits(film: &Film) -> Vec<[u64; 6]> {
 
 /// Panics, naming the first pixel, unless both films hold the same bits.
 #[track_caller]
-fn assert_same(name: &str, found: &Film, expected: &Film) {
+pub fn assert_same(name: &str, found: &Film, expected: &Film) {
     assert_eq!((found.width(), found.height()), (expected.width(), expected.height()), "{name}: size");
     let (found_bits, expected_bits) = (bits(found), bits(expected));
     let differing = found_bits.iter().zip(&expected_bits).filter(|(f, e)| f != e).count();

@@ -1,5 +1,5 @@
 //! The lane arithmetic and its functions.
 
+mod float_mode;
 mod math;
-pub mod ulp;
 pub mod widths;
