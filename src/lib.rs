@@ -15,7 +15,7 @@
 //! | [`kernel`] | the estimators of the integral over lanes: the only hot part |
 //! | [`film`] | f64 accumulation, variance, EXR and PNG |
 //! | [`render`] | budgets, passes, threads: scene in, film out |
-//! | [`report`] | comparison and benchmarks |
+//! | [`report`] | comparison, benchmarks, error against run time; plots and pages |
 //! | [`lane`] | the arithmetic under all of it: one source for widths 1, 8 and 16 |
 //!
 //! Conventions: right-handed world; `wo` points to the viewer, `wi` is sampled; local frames have z = n; pdfs are in

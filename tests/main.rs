@@ -14,6 +14,7 @@ mod numerics;
 mod oracle;
 mod references;
 mod renders;
+mod report;
 mod sampling;
 mod scene_files;
 mod traversal;

@@ -4,7 +4,10 @@ pub mod bench;
 pub mod bench_rays;
 pub mod compare;
 pub mod diff;
+pub mod fit;
 pub mod metrics;
+pub mod page;
+pub mod plot;
 pub mod sidak;
 
 pub use compare::{CompareArgs, CompareError, compare_command};

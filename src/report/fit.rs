@@ -1,0 +1,201 @@
+//! Statistics of error curves: Student's t, intervals of means, power laws, and the budget that an error needs.
+
+use std::f64::consts::FRAC_2_PI;
+
+/// Confidence of every interval that a report gives unless it says otherwise.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// P(|T| ≤ t) of Student's t with `dof` ≥ 1 degrees of freedom, t ≥ 0: the finite sums of Abramowitz & Stegun 26.7.3
+/// and 26.7.4, exact up to rounding (about 1e-15 absolute).
+pub fn student_central(dof: u32, t: f64) -> f64 {
+    let angle = (t / f64::from(dof).sqrt()).atan();
+    let (sine, cosine) = angle.sin_cos();
+    // Terms of the series; each is the one before times cos² (k − 1)/k, k stepping by two.
+    let series = |first: f64, from: u32| {
+        let (mut term, mut sum, mut k) = (first, 0.0, from);
+        while k <= dof {
+            sum += term;
+            term *= cosine * cosine * f64::from(k - 1) / f64::from(k);
+            k += 2;
+        }
+        sum
+    };
+    let probability =
+        if dof.is_multiple_of(2) { sine * series(1.0, 2) } else { FRAC_2_PI * (angle + sine * series(cosine, 3)) };
+    probability.clamp(0.0, 1.0)
+}
+
+/// The t with P(|T| ≤ t) = `confidence` in (0, 1); 0 degrees of freedom give ∞. To 1e-12 relative.
+pub fn student_quantile(dof: u32, confidence: f64) -> f64 {
+    if dof == 0 {
+        return f64::INFINITY;
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    while student_central(dof, high) < confidence && high < 1e12 {
+        high *= 2.0;
+    }
+    while high - low > 1e-12 * high {
+        let middle = 0.5 * (low + high);
+        if student_central(dof, middle) < confidence { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// An estimate with its interval at [`CONFIDENCE`].
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Estimate {
+    pub value: f64,
+    /// −∞ and ∞ (`null` in JSON) where one value alone says nothing about the spread.
+    #[serde(with = "open_end::low")]
+    pub lo: f64,
+    #[serde(with = "open_end::high")]
+    pub hi: f64,
+    #[serde(with = "open_end::high")]
+    pub standard_error: f64,
+    pub dof: u32,
+}
+
+impl Estimate {
+    /// Student's interval around `value`.
+    pub fn student(value: f64, standard_error: f64, dof: u32) -> Self {
+        let half = if dof == 0 { f64::INFINITY } else { student_quantile(dof, CONFIDENCE) * standard_error };
+        Estimate { value, lo: value - half, hi: value + half, standard_error, dof }
+    }
+
+    /// Mean of independent values, with the interval of their spread.
+    pub fn mean(values: &[f64]) -> Self {
+        let (mean, standard_error) = mean_and_error(values);
+        Self::student(mean, standard_error, values.len().saturating_sub(1) as u32)
+    }
+
+    /// The same less a known constant: a reference's own noise.
+    pub fn minus(self, constant: f64) -> Self {
+        Estimate { value: self.value - constant, lo: self.lo - constant, hi: self.hi - constant, ..self }
+    }
+
+    /// Of f(value), f increasing on the interval: its ends are mapped, the standard error to first order.
+    pub fn map_increasing(self, f: impl Fn(f64) -> f64, derivative: impl Fn(f64) -> f64) -> Self {
+        let standard_error = self.standard_error * derivative(self.value);
+        Estimate { value: f(self.value), lo: f(self.lo), hi: f(self.hi), standard_error, dof: self.dof }
+    }
+
+    /// √ of a mean square; what is below zero counts as zero.
+    pub fn sqrt(self) -> Self {
+        self.map_increasing(|x| x.max(0.0).sqrt(), |x| if x > 0.0 { 0.5 / x.sqrt() } else { 0.0 })
+    }
+
+    /// Standard error over value.
+    pub fn relative_error(&self) -> f64 {
+        self.standard_error / self.value.abs()
+    }
+}
+
+/// Mean and standard error of independent values; the error of fewer than two is infinite.
+pub fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let squares: f64 = values.iter().map(|x| (x - mean) * (x - mean)).sum();
+    (mean, if values.len() < 2 { f64::INFINITY } else { (squares / (n * (n - 1.0))).sqrt() })
+}
+
+/// The middle value, or the mean of the two; NaN of none.
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    match sorted.len() {
+        0 => f64::NAN,
+        n if n % 2 == 1 => sorted[n / 2],
+        n => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
+    }
+}
+
+/// y = constant · x^exponent, fitted.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct PowerLaw {
+    pub exponent: Estimate,
+    pub constant: f64,
+    /// Residuals over what the points' own errors explain: χ² per degree of freedom. Far above 1 the points bend, and
+    /// one exponent does not describe them. `None` for two points.
+    pub lack_of_fit: Option<f64>,
+}
+
+/// Straight line through (ln x, ln y) by least squares, each point weighing the same. `points` are x with the
+/// independent estimate of y there; those that are not positive are left out, and fewer than two x give `None`.
+///
+/// The exponent is Σ cᵢ ln yᵢ with fixed cᵢ, so that its variance is Σ cᵢ² (sᵢ/yᵢ)² by the points' own standard errors,
+/// with the degrees of freedom of Satterthwaite (1946); the interval is of this average exponent, bent curve or not.
+pub fn fit_power_law(points: &[(f64, Estimate)]) -> Option<PowerLaw> {
+    let usable = |&(x, y): &(f64, Estimate)| (x > 0.0 && y.value > 0.0 && x.is_finite()).then(|| (x.ln(), y));
+    let points: Vec<_> = points.iter().filter_map(usable).collect();
+    let n = points.len() as f64;
+    let mean_x = points.iter().map(|p| p.0).sum::<f64>() / n;
+    let mean_y = points.iter().map(|p| p.1.value.ln()).sum::<f64>() / n;
+    let spread: f64 = points.iter().map(|p| (p.0 - mean_x).powi(2)).sum();
+    if points.len() < 2 || spread <= 1e-12 * n {
+        return None;
+    }
+    let exponent: f64 = points.iter().map(|p| (p.0 - mean_x) / spread * p.1.value.ln()).sum();
+    let parts = points.iter().map(|(x, y)| (((x - mean_x) / spread).powi(2) * y.relative_error().powi(2), y.dof));
+    let variance: f64 = parts.clone().map(|(part, _)| part).sum();
+    let denominator: f64 = parts.map(|(part, dof)| part * part / f64::from(dof.max(1))).sum();
+    let dof = if denominator > 0.0 { (variance * variance / denominator).floor().clamp(1.0, 1e6) } else { 1e6 };
+    let intercept = mean_y - exponent * mean_x;
+    let chi_square: f64 = points
+        .iter()
+        .map(|(x, y)| ((y.value.ln() - intercept - exponent * x) / y.relative_error().max(1e-12)).powi(2))
+        .sum();
+    Some(PowerLaw {
+        exponent: Estimate::student(exponent, variance.sqrt(), if variance.is_finite() { dof as u32 } else { 0 }),
+        constant: intercept.exp(),
+        lack_of_fit: (points.len() > 2).then(|| chi_square / (n - 2.0)),
+    })
+}
+
+/// The budget at which an error is reached.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Reached {
+    pub budget: f64,
+    /// Beyond what was measured, along the fitted power law: a guess, not a measurement.
+    pub extrapolated: bool,
+}
+
+/// The budget from which on y ≤ `target`. `points` are (x, y) with x increasing; between neighbours ln y is linear in
+/// ln x, outside the points y goes on from the nearest one with the given `exponent`. `None` where there is nothing to
+/// go by, or the errors do not fall.
+pub fn budget_for(points: &[(f64, f64)], target: f64, exponent: Option<f64>) -> Option<Reached> {
+    let points: Vec<_> = points.iter().copied().filter(|&(x, y)| x > 0.0 && y > 0.0).collect();
+    let (first, last) = (*points.first()?, *points.last()?);
+    let along = |(x, y): (f64, f64), slope: f64| x * (target / y).powf(1.0 / slope);
+    if last.1 > target || first.1 <= target {
+        let from = if last.1 > target { last } else { first };
+        if from.1 == target {
+            return Some(Reached { budget: from.0, extrapolated: false });
+        }
+        let slope = exponent.filter(|&slope| slope < 0.0)?;
+        return Some(Reached { budget: along(from, slope), extrapolated: true });
+    }
+    // The last pair that falls through the target: from there on all measured errors are at most the target.
+    let pair = points.windows(2).rev().find(|pair| pair[0].1 > target)?;
+    let slope = (pair[1].1 / pair[0].1).ln() / (pair[1].0 / pair[0].0).ln();
+    Some(Reached { budget: along(pair[0], slope), extrapolated: false })
+}
+
+/// An infinite end is `null` in JSON, which has no infinities.
+mod open_end {
+    macro_rules! end {
+        ($name:ident, $infinity:expr) => {
+            pub mod $name {
+                use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+                pub fn serialize<S: Serializer>(x: &f64, to: S) -> Result<S::Ok, S::Error> {
+                    x.is_finite().then_some(*x).serialize(to)
+                }
+                pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+                    Ok(Option::deserialize(from)?.unwrap_or($infinity))
+                }
+            }
+        };
+    }
+    end!(low, f64::NEG_INFINITY);
+    end!(high, f64::INFINITY);
+}

@@ -1,0 +1,6 @@
+//! Reports: statistics of error curves against closed forms and simulation, plots, pages.
+
+mod coverage;
+mod fit;
+mod page;
+mod plot;
