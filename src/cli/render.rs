@@ -5,7 +5,8 @@ use super::scene_args::{MachineArgs, SceneArgs};
 use crate::film::{self, Attribute, Film, VarianceValidity};
 use crate::kernel::World;
 use crate::plan::Force;
-use crate::render::{self, Budget, Options, Outcome, Progress, StoppedBy, Summary, interrupt};
+use crate::render::{self, Budget, Options, Outcome, Progress, StoppedBy, Summary, Times, interrupt};
+use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -63,26 +64,36 @@ fn positive(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "must be a number above 0".into())
 }
 
+/// What `render` and every variant of `converge` make of the same arguments.
+impl RenderArgs {
+    pub(super) fn world(&self) -> Result<(Scene, World, Times), CliError> {
+        self.scene.world(Force { general: self.general, geometry: None }, self.aovs)
+    }
+
+    pub(super) fn options(&self, world: &World, budget: Budget, output_seconds: f64) -> Options {
+        let (width, tile) = (self.machine.width(), self.machine.tile(world.film));
+        Options { budget, width, tile, aovs: self.aovs, output_seconds }
+    }
+
+    pub(super) fn threads(&self) -> usize {
+        self.machine.threads()
+    }
+}
+
 pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     interrupt::listen();
     let targets = Targets::new(args)?;
-    let force = Force { general: args.general, geometry: None };
-    let (scene, mut world, mut times) = args.scene.world(force, args.aovs)?;
+    let (scene, mut world, mut times) = args.world()?;
     if !args.quiet {
         scene.assumptions.iter().for_each(|line| eprintln!("assumed: {line}"));
     }
     if args.explain {
         eprint!("{}", world.plan.explain());
     }
-    let threads = args.machine.threads();
+    let threads = args.threads();
     let pool = render::thread_pool(threads)?;
-    let mut options = Options {
-        budget: Budget { samples: args.spp, seconds: args.time, error: args.error },
-        width: args.machine.width(),
-        tile: args.machine.tile(world.film),
-        aovs: args.aovs,
-        output_seconds: targets.predicted_seconds(&world, args.aovs),
-    };
+    let budget = Budget { samples: args.spp, seconds: args.time, error: args.error };
+    let mut options = args.options(&world, budget, targets.predicted_seconds(&world, args.aovs));
     if options.budget == Budget::default() {
         options.budget.samples = Some(DEFAULT_SAMPLES);
     }
