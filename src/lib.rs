@@ -16,6 +16,7 @@
 //! | [`film`] | f64 accumulation, variance, EXR and PNG |
 //! | [`render`] | budgets, passes, threads: scene in, film out |
 //! | [`report`] | comparison, benchmarks, error against run time; plots and pages |
+//! | [`estimate`] | the estimators on their own, and the weights of Bayesian Monte Carlo |
 //! | [`lane`] | the arithmetic under all of it: one source for widths 1, 8 and 16 |
 //!
 //! Conventions: right-handed world; `wo` points to the viewer, `wi` is sampled; local frames have z = n; pdfs are in
@@ -26,6 +27,7 @@ pub mod bsdf;
 pub mod check;
 pub mod cli;
 pub mod cpu;
+pub mod estimate;
 pub mod film;
 pub mod geometry;
 pub mod kernel;

@@ -6,6 +6,7 @@ mod bsdf;
 mod cli;
 mod closed_forms;
 mod equivalence;
+mod estimate;
 mod film;
 mod independent;
 mod lane;

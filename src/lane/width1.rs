@@ -38,6 +38,7 @@ macro_rules! wrapping_op {
 }
 wrapping_op!(Add, add, u32::wrapping_add);
 wrapping_op!(Sub, sub, u32::wrapping_sub);
+wrapping_op!(Mul, mul, u32::wrapping_mul);
 wrapping_op!(BitAnd, bitand, |a: u32, b: u32| a & b);
 wrapping_op!(BitOr, bitor, |a: u32, b: u32| a | b);
 wrapping_op!(BitXor, bitxor, |a: u32, b: u32| a ^ b);

@@ -6,6 +6,8 @@
 pub mod dimensions;
 mod frame;
 mod key;
+pub mod sobol;
+mod sobol_table;
 pub mod warp;
 mod xoshiro;
 

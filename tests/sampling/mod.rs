@@ -3,4 +3,5 @@
 pub mod draw;
 mod frame;
 mod random;
+mod sobol;
 mod warp;

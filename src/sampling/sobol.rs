@@ -1,0 +1,158 @@
+//! Owen-scrambled Sobol' points in lanes, keyed by (pixel, sample, dimension).
+//!
+//! A number is 32 bits, each a digit; [`to_unit`] makes it a float. Scrambling is by hash: one Laine–Karras permutation
+//! stands for a tree of random digit flips (Laine & Karras 2011; Burley 2020, "Practical Hash-based Owen Scrambling"), so
+//! that any point is had from its index alone. It acts on reversed digits, and so points are made reversed: bit k of a
+//! number *in reverse* is its digit of weight 2^−(k+1).
+//!
+//! Sets of two or four dimensions are padded: each set shuffles the index by a hash of its own, again by Owen's
+//! permutation, which leaves any aligned block of 2^k indices a block.
+
+use super::sobol_table::{COLUMNS, DIMENSIONS};
+use crate::lane::{Bits, Real, array};
+
+/// The most dimensions one Sobol' point has here.
+pub const MAX_DIMENSIONS: usize = DIMENSIONS;
+
+/// A 64-bit key a lane, as [`super::sample_key`] makes them: for a renderer, of (seed, pixel, 0).
+#[derive(Clone, Copy, Debug)]
+pub struct Key<R: Real> {
+    pub low: R::Bits,
+    pub high: R::Bits,
+}
+
+impl<R: Real> Key<R> {
+    pub fn from_fn(mut key: impl FnMut(usize) -> u64) -> Self {
+        let mut out = Self { low: R::Bits::splat(0), high: R::Bits::splat(0) };
+        for lane in 0..R::WIDTH {
+            let key = key(lane);
+            out.low.set_lane(lane, key as u32);
+            out.high.set_lane(lane, (key >> 32) as u32);
+        }
+        out
+    }
+
+    /// 32 bits for one use of the key. Different uses are different walks through a bijection.
+    #[inline(always)]
+    fn child(self, purpose: u32) -> R::Bits {
+        let salted = mix::<R>(self.low ^ R::Bits::splat(purpose.wrapping_mul(0x9e37_79b9)));
+        mix::<R>(salted + self.high)
+    }
+}
+
+/// Two numbers of the padded set `set` for sample `index`: over aligned blocks of 2^k samples a (0, k, 2)-net.
+#[inline(always)]
+pub fn owen_2d<R: Real>(index: R::Bits, key: Key<R>, set: u32) -> [R::Bits; 2] {
+    let shuffled = shuffle::<R>(index, key.child(8 * set));
+    let second = pascal::<R>(shuffled);
+    // The first dimension's matrix reverses the index: in reverse it is the index.
+    [
+        reverse::<R>(laine_karras::<R>(shuffled, key.child(8 * set + 1))),
+        reverse::<R>(laine_karras::<R>(second, key.child(8 * set + 2))),
+    ]
+}
+
+/// Four numbers of the padded set `set` for sample `index`: the first four dimensions of Sobol'. A set number is used for
+/// [`owen_2d`] or for this, not for both.
+#[inline(always)]
+pub fn owen_4d<R: Real>(index: R::Bits, key: Key<R>, set: u32) -> [R::Bits; 4] {
+    let shuffled = shuffle::<R>(index, key.child(8 * set));
+    let mut points = [shuffled, pascal::<R>(shuffled), R::Bits::splat(0), R::Bits::splat(0)];
+    let mut digits = shuffled;
+    for (third, fourth) in COLUMNS[2].iter().zip(&COLUMNS[3]) {
+        let taken = R::Bits::splat(0) - (digits & R::Bits::splat(1));
+        points[2] = points[2] ^ (taken & R::Bits::splat(*third));
+        points[3] = points[3] ^ (taken & R::Bits::splat(*fourth));
+        digits = digits.shr::<1>();
+    }
+    array::from_fn(|d| reverse::<R>(laine_karras::<R>(points[d], key.child(8 * set + 1 + d as u32))))
+}
+
+/// Number `dimension` < [`MAX_DIMENSIONS`] of Sobol' point `index`, in reverse, not scrambled.
+#[inline(always)]
+pub fn sobol_reversed<R: Real>(index: R::Bits, dimension: usize) -> R::Bits {
+    match dimension {
+        0 => index,
+        1 => pascal::<R>(index),
+        _ => {
+            let (mut digits, mut point) = (index, R::Bits::splat(0));
+            for column in &COLUMNS[dimension] {
+                let taken = R::Bits::splat(0) - (digits & R::Bits::splat(1));
+                point = point ^ (taken & R::Bits::splat(*column));
+                digits = digits.shr::<1>();
+            }
+            point
+        }
+    }
+}
+
+/// Number `dimension` of Sobol' point `index`, scrambled by the key; jointly over all dimensions, without padding.
+#[inline(always)]
+pub fn owen_sobol<R: Real>(index: R::Bits, key: Key<R>, dimension: usize) -> R::Bits {
+    reverse::<R>(laine_karras::<R>(sobol_reversed::<R>(index, dimension), key.child(dimension as u32)))
+}
+
+/// Number `dimension` of Sobol' point `index` under a random digital shift: every digit flipped alike for all points.
+#[inline(always)]
+pub fn shifted_sobol<R: Real>(index: R::Bits, key: Key<R>, dimension: usize) -> R::Bits {
+    reverse::<R>(sobol_reversed::<R>(index, dimension)) ^ key.child(dimension as u32)
+}
+
+/// In [0, 1), a multiple of 2⁻²⁴.
+#[inline(always)]
+pub fn to_unit<R: Real>(bits: R::Bits) -> R {
+    R::from_int(bits.shr::<8>()) * R::splat(1.0 / (1u32 << 24) as f32)
+}
+
+/// Point `index` of [`owen_2d`]'s set 0 in f64, at the centres of its 2³² cells.
+pub fn owen_pair(index: u32, key: u64) -> [f64; 2] {
+    let key = Key::<f32>::from_fn(|_| key);
+    owen_2d::<f32>(Bits::splat(index), key, 0).map(|b| (f64::from(b.lane(0)) + 0.5) * f64::powi(2.0, -32))
+}
+
+#[inline(always)]
+fn shuffle<R: Real>(index: R::Bits, seed: R::Bits) -> R::Bits {
+    reverse::<R>(laine_karras::<R>(reverse::<R>(index), seed))
+}
+
+/// Sobol's second dimension in reverse: bit i is the parity of C(j, i)·bit j, which by Lucas is a sum over the supersets of
+/// i, one step for each bit of i (Ahmed 2024, "An Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and
+/// Compact").
+#[inline(always)]
+fn pascal<R: Real>(x: R::Bits) -> R::Bits {
+    let x = x ^ (x.shr::<1>() & R::Bits::splat(0x5555_5555));
+    let x = x ^ (x.shr::<2>() & R::Bits::splat(0x3333_3333));
+    let x = x ^ (x.shr::<4>() & R::Bits::splat(0x0f0f_0f0f));
+    let x = x ^ (x.shr::<8>() & R::Bits::splat(0x00ff_00ff));
+    x ^ (x.shr::<16>() & R::Bits::splat(0x0000_ffff))
+}
+
+/// A permutation in which a bit changes only by those below it: on a number in reverse, a tree of digit flips. The
+/// constants are Vegdahl's (2021, "Building a Better LK Hash").
+#[inline(always)]
+fn laine_karras<R: Real>(x: R::Bits, seed: R::Bits) -> R::Bits {
+    let x = x ^ (x * R::Bits::splat(0x3d20_adea));
+    let x = x + seed;
+    let x = x * (seed.shr::<16>() | R::Bits::splat(1));
+    let x = x ^ (x * R::Bits::splat(0x0552_6c56));
+    x ^ (x * R::Bits::splat(0x53a2_2864))
+}
+
+#[inline(always)]
+fn reverse<R: Real>(x: R::Bits) -> R::Bits {
+    let merge =
+        |left: R::Bits, right: R::Bits, mask: u32| (left & R::Bits::splat(!mask)) | (right & R::Bits::splat(mask));
+    let x = merge(x.shl::<1>(), x.shr::<1>(), 0x5555_5555);
+    let x = merge(x.shl::<2>(), x.shr::<2>(), 0x3333_3333);
+    let x = merge(x.shl::<4>(), x.shr::<4>(), 0x0f0f_0f0f);
+    let x = merge(x.shl::<8>(), x.shr::<8>(), 0x00ff_00ff);
+    x.shl::<16>() | x.shr::<16>()
+}
+
+/// MurmurHash3's 32-bit finaliser (Appleby 2011).
+#[inline(always)]
+fn mix<R: Real>(x: R::Bits) -> R::Bits {
+    let x = (x ^ x.shr::<16>()) * R::Bits::splat(0x85eb_ca6b);
+    let x = (x ^ x.shr::<13>()) * R::Bits::splat(0xc2b2_ae35);
+    x ^ x.shr::<16>()
+}

@@ -1,0 +1,4 @@
+//! Estimators on their own.
+
+mod bmc;
+mod bmc_posterior;
