@@ -13,6 +13,8 @@ pub enum CliError {
     #[error(transparent)]
     Compare(#[from] crate::report::CompareError),
     #[error(transparent)]
+    Converge(#[from] crate::report::converge::ConvergeError),
+    #[error(transparent)]
     BenchRays(#[from] crate::report::bench_rays::BenchRaysError),
     #[error(transparent)]
     Light(#[from] crate::light::LightError),

@@ -3,10 +3,12 @@
 mod bench;
 mod check;
 mod check_numerics;
+mod converge;
 mod error;
 mod render;
 mod replay;
 mod scene_args;
+mod variants;
 
 pub use error::CliError;
 
@@ -32,6 +34,8 @@ enum Command {
     Check(check::CheckArgs),
     /// Print one path: every value computed for a pixel's sample
     Replay(replay::ReplayArgs),
+    /// Measure error against samples and run time, and write the report of it
+    Converge(converge::ConvergeArgs),
     /// Measure paths per second on a scene, or rays per second on recorded rays
     Bench(bench::BenchArgs),
 }
@@ -47,6 +51,7 @@ pub fn run() -> ExitCode {
         Command::Compare(args) => crate::report::compare_command(&args).map_err(CliError::from),
         Command::Check(args) => check::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::Converge(args) => converge::run(&args),
         Command::Bench(args) => bench::run(&args),
     };
     match result {

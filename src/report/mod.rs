@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod bench_rays;
 pub mod compare;
+pub mod converge;
 pub mod diff;
 pub mod fit;
 pub mod metrics;

@@ -1,0 +1,168 @@
+//! `octolux converge`: error against samples and run time, and the report of it.
+
+use super::CliError;
+use super::variants::{self, VariantArgs};
+use crate::render::{budget::MAX_SAMPLES, interrupt};
+use crate::report::converge::{self, Budget, ConvergeReport, Plan, Variant};
+use std::path::PathBuf;
+
+/// Where no budget is given.
+const DEFAULT_SPP: [u64; 5] = [1, 4, 16, 64, 256];
+
+#[derive(clap::Args)]
+pub struct ConvergeArgs {
+    /// scene.toml, or a bare model.obj
+    scene: PathBuf,
+    /// Folder for the report and its cells
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Image to measure against; its noise is read from NAME.json beside it (`relmse_floor`, `rmse_floor`) or from its
+    /// variance layer [default: one is made]
+    #[arg(long, value_name = "REF.exr")]
+    reference: Option<PathBuf>,
+    /// Samples a pixel of a reference that is made [default: 16 times the largest budget]
+    #[arg(long, value_name = "N", conflicts_with = "reference", value_parser = clap::value_parser!(u64).range(4..=MAX_SAMPLES))]
+    reference_spp: Option<u64>,
+    /// Budgets in samples a pixel [default: 1,4,16,64,256]
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = clap::value_parser!(u64).range(1..=MAX_SAMPLES))]
+    spp: Vec<u64>,
+    /// Budgets in seconds of rendering
+    #[arg(long, value_name = "S,S,…", value_delimiter = ',', conflicts_with = "spp", value_parser = super::render::positive)]
+    times: Vec<f64>,
+    /// Independent renders of each variant and budget
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    seeds: u64,
+    /// The first of them
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// What to compare, as "NAME: FLAGS; NAME: FLAGS"; flags are those of `render`. May be given more than once
+    #[arg(long, value_name = "VARIANTS", allow_hyphen_values = true)]
+    variants: Vec<String>,
+    /// Go on with the study in the folder
+    #[arg(long)]
+    resume: bool,
+    /// Exposure of the images in stops
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    exposure: f32,
+    /// No progress, no summary
+    #[arg(long)]
+    quiet: bool,
+    /// After `--`: flags of `render` that all variants share, as in `-- --size 128x128 --threads 2`
+    #[arg(last = true, value_name = "RENDER FLAGS")]
+    common: Vec<String>,
+}
+
+pub fn run(args: &ConvergeArgs) -> Result<bool, CliError> {
+    interrupt::listen();
+    let report = converge::run(plan(args)?)?;
+    if !args.quiet {
+        print!("{}", table(&report));
+        eprintln!("{}", args.output.join("report.html").display());
+    }
+    Ok(true)
+}
+
+fn plan(args: &ConvergeArgs) -> Result<Plan, CliError> {
+    let variants = variants::parse(&args.variants, &args.scene, &args.common)?;
+    let mut ready = Vec::new();
+    for variant in variants {
+        ready.push(prepare(variant, &ready)?);
+    }
+    let size = |v: &Variant| (v.world.film.width, v.world.film.height);
+    if let Some(other) = ready.iter().find(|v| size(v) != size(&ready[0])) {
+        return Err(CliError::Usage(format!(
+            "variant `{}` renders {:?} pixels, the first one {:?}: only images of one size can be compared",
+            other.name,
+            size(other),
+            size(&ready[0])
+        )));
+    }
+    Ok(Plan {
+        scene: args.scene.display().to_string(),
+        variants: ready,
+        budgets: budgets(args),
+        seeds: args.seeds,
+        first_seed: args.seed,
+        reference: args.reference.clone(),
+        reference_samples: args.reference_spp,
+        folder: args.output.clone(),
+        resume: args.resume,
+        exposure: args.exposure,
+        quiet: args.quiet,
+        command: command(),
+    })
+}
+
+fn prepare(variant: VariantArgs, before: &[Variant]) -> Result<Variant, CliError> {
+    let (scene, world, times) = variant.render.world()?;
+    let options = variant.render.options(&world, Default::default(), 0.0);
+    let threads = variant.render.threads();
+    let named = (variant.name, variant.arguments);
+    Ok(Variant::new(named, (&scene, world, times), options, threads, before)?)
+}
+
+/// In increasing order, each once.
+fn budgets(args: &ConvergeArgs) -> Vec<Budget> {
+    if !args.times.is_empty() {
+        let mut times = args.times.clone();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        return times.into_iter().map(Budget::Seconds).collect();
+    }
+    let mut spp = if args.spp.is_empty() { DEFAULT_SPP.to_vec() } else { args.spp.clone() };
+    spp.sort_unstable();
+    spp.dedup();
+    spp.into_iter().map(Budget::Samples).collect()
+}
+
+/// What was typed, quoted where a shell needs it.
+fn command() -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+".contains(c);
+    let quoted = |word: String| match !word.is_empty() && word.chars().all(plain) {
+        true => word,
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    };
+    let words = std::env::args().skip(1).map(quoted);
+    std::iter::once("octolux".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}
+
+/// The rows as a person reads them.
+fn table(report: &ConvergeReport) -> String {
+    let name = report.variants.iter().map(|v| v.name.chars().count()).max().unwrap_or(0).max(7);
+    let mut text = format!(
+        "{:name$} {:>8} {:>5} {:>11} {:>22} {:>10} {:>10}\n",
+        "variant", "spp", "seeds", "RMSE", "relMSE (95 %)", "seconds", "bias² rel"
+    );
+    for row in report.variants.iter().flat_map(|v| &v.rows) {
+        let half = 50.0 * (row.relmse.hi - row.relmse.lo) / row.relmse.value.abs();
+        let bias = row.relative_bias_squared.map_or("-".to_owned(), |bias| format!("{:.2e}", bias.value));
+        text += &format!(
+            "{:name$} {:>8} {:>5} {:>11.4e} {:>11.4e} ± {:>6.1} % {:>10.4} {bias:>10}{}\n",
+            row.variant,
+            row.samples_per_pixel,
+            row.seeds.len(),
+            row.rmse.value,
+            row.relmse.value,
+            half,
+            row.seconds.value,
+            if row.doubts.is_empty() { String::new() } else { format!("  not trusted: {}", row.doubts.join("; ")) }
+        );
+    }
+    for v in &report.variants {
+        let slope = |law: &Option<crate::report::fit::PowerLaw>| {
+            law.map_or("-".to_owned(), |l| format!("{:.3} ± {:.3}", l.exponent.value, l.exponent.hi - l.exponent.value))
+        };
+        let to = |target: &converge::Target| match target.seconds {
+            Some(s) => format!("{:e}: {:.3} s{}", target.relmse, s.budget, if s.extrapolated { " ~" } else { "" }),
+            None => format!("{:e}: -", target.relmse),
+        };
+        text += &format!(
+            "{}: slope by samples {}, by seconds {}; relMSE {}\n",
+            v.name,
+            slope(&v.relmse_by_samples),
+            slope(&v.relmse_by_seconds),
+            v.targets.iter().map(to).collect::<Vec<_>>().join(", ")
+        );
+    }
+    text
+}

@@ -1,0 +1,184 @@
+//! What images are held against, and how much noise of its own it brings.
+
+use super::ConvergeError;
+use super::run::Variant;
+use super::statistics::relative;
+use crate::film::exr_write::write_rows;
+use crate::film::{Attribute, VarianceValidity, beside::write_beside, read_exr};
+use crate::render::{Budget, interrupt};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Independent renders that a made reference is the mean of: their spread is its noise, whatever the sampler.
+const REPLICATES: u64 = 4;
+/// Sets the reference's seeds apart from all cells'.
+const REFERENCE_SEED: u64 = 0x7265_6665_7265_6e63;
+
+/// What the reference's own noise adds to mean squared errors against it: E mean w (r − E r)².
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Noise {
+    pub mse: f64,
+    pub relmse: f64,
+}
+
+/// Where [`Noise`] is known from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum NoiseSource {
+    /// `NAME.json` beside `NAME.exr`.
+    Sidecar,
+    /// The image's variance layer.
+    Variance,
+    /// The spread of independent renders, made for this study.
+    Replicates,
+    /// It is not: errors include it.
+    Unknown,
+}
+
+pub struct Reference {
+    pub path: PathBuf,
+    pub width: u32,
+    pub height: u32,
+    pub planes: [Vec<f32>; 3],
+    pub noise: Noise,
+    pub noise_source: NoiseSource,
+    pub samples_per_pixel: Option<u64>,
+}
+
+/// The part of `NAME.json` that is read; also what is written beside a made reference.
+#[derive(Serialize, Deserialize)]
+struct Sidecar {
+    relmse_floor: f64,
+    rmse_floor: f64,
+    spp: Option<u64>,
+    /// Of the scene that a made reference shows.
+    #[serde(default)]
+    fingerprint: Option<String>,
+}
+
+impl Reference {
+    pub fn rgb(&self) -> [&[f32]; 3] {
+        self.planes.each_ref().map(Vec::as_slice)
+    }
+
+    /// Reads an EXR, and its noise from `NAME.json` beside it or from its variance layer.
+    ///
+    /// # Errors
+    /// It cannot be read, has another size, or the file beside it is not what it should be.
+    pub fn load(path: &Path, (width, height): (u32, u32)) -> Result<Self, ConvergeError> {
+        let image = read_exr(path)?;
+        let fail = |why: String| ConvergeError::Reference { file: path.display().to_string(), why };
+        if (image.width, image.height) != (width, height) {
+            let size = format!("{}x{} pixels, but the scene renders {width}x{height}", image.width, image.height);
+            return Err(fail(size + "; give the size by `-- --size`, or another reference"));
+        }
+        let sidecar = read_sidecar(&path.with_extension("json"))?;
+        let planes = image.rgb().map(<[f32]>::to_vec);
+        let valid = image.variance_validity() == Some(VarianceValidity::Independent);
+        let (noise, noise_source) = match (&sidecar, image.variance().filter(|_| valid)) {
+            (Some(s), _) => (Noise { mse: s.rmse_floor * s.rmse_floor, relmse: s.relmse_floor }, NoiseSource::Sidecar),
+            (None, Some(variance)) => (mean_noise(&planes, variance), NoiseSource::Variance),
+            (None, None) => (Noise { mse: 0.0, relmse: 0.0 }, NoiseSource::Unknown),
+        };
+        let samples = image.attribute("samples").and_then(|a| a.to_string().parse().ok());
+        let samples_per_pixel = sidecar.and_then(|s| s.spp).or(samples);
+        Ok(Reference { path: path.to_owned(), width, height, planes, noise, noise_source, samples_per_pixel })
+    }
+
+    /// Renders one with `samples` a pixel in all and writes it to `folder/reference.exr`, unless it is there already
+    /// from the same scene and number of samples.
+    ///
+    /// # Errors
+    /// It cannot be written or read, or the user interrupted.
+    pub fn make(variant: &mut Variant, samples: u64, folder: &Path, say: &dyn Fn(&str)) -> Result<Self, ConvergeError> {
+        let (path, film) = (folder.join("reference.exr"), variant.world.film);
+        let each = samples.div_ceil(REPLICATES).max(1);
+        let made = read_sidecar(&path.with_extension("json"))?.is_some_and(|sidecar| {
+            sidecar.spp == Some(each * REPLICATES) && sidecar.fingerprint.as_deref() == Some(&variant.fingerprint)
+        });
+        if !(made && path.is_file()) {
+            say(&format!("reference: {REPLICATES} renders of {each} samples a pixel, with seeds of their own"));
+            render_reference(variant, each, &path)?;
+        }
+        let reference = Self::load(&path, (film.width, film.height))?;
+        Ok(Reference { noise_source: NoiseSource::Replicates, ..reference })
+    }
+}
+
+fn render_reference(variant: &mut Variant, each: u64, path: &Path) -> Result<(), ConvergeError> {
+    let film = variant.world.film;
+    let values = 3 * film.width as usize * film.height as usize;
+    let (mut sum, mut squares) = (vec![0.0f64; values], vec![0.0f64; values]);
+    for replicate in 0..REPLICATES {
+        let budget = Budget { samples: Some(each), ..Budget::default() };
+        let outcome = variant.render(budget, REFERENCE_SEED.wrapping_add(replicate));
+        if interrupt::presses() > 0 {
+            return Err(ConvergeError::Interrupted);
+        }
+        for y in 0..film.height {
+            for x in 0..film.width {
+                let at = 3 * (y as usize * film.width as usize + x as usize);
+                for (c, value) in outcome.film.mean(x, y).into_iter().enumerate() {
+                    sum[at + c] += value;
+                    squares[at + c] += value * value;
+                }
+            }
+        }
+    }
+    let n = REPLICATES as f64;
+    let mean = |i: usize| sum[i] / n;
+    // f64 sums of a few positive values: what cancels is at most 1e-15 of the square.
+    let variance = |i: usize| ((squares[i] - sum[i] * mean(i)) / (n * (n - 1.0))).max(0.0);
+    let (mut mse, mut relmse) = (0.0, 0.0);
+    for i in 0..values {
+        mse += variance(i);
+        relmse += variance(i) * relative(mean(i));
+    }
+    let (mse, relmse) = (mse / values as f64, relmse / values as f64);
+    let names = ["R", "G", "B", "variance.R", "variance.G", "variance.B"];
+    let width = film.width as usize;
+    let attributes = [("samples".to_owned(), Attribute::Integer(each * REPLICATES))];
+    write_rows(path, (width, film.height as usize), &names, &attributes, |y, planes| {
+        for x in 0..width {
+            for c in 0..3 {
+                let i = 3 * (y * width + x) + c;
+                planes[c * width + x] = mean(i) as f32;
+                planes[(3 + c) * width + x] = variance(i) as f32;
+            }
+        }
+    })?;
+    let sidecar = Sidecar {
+        relmse_floor: relmse,
+        rmse_floor: mse.sqrt(),
+        spp: Some(each * REPLICATES),
+        fingerprint: Some(variant.fingerprint.clone()),
+    };
+    Ok(write_beside(&path.with_extension("json"), |out| serde_json::to_writer_pretty(out, &sidecar))?)
+}
+
+/// `None` too for a file that is about something else: the report of a render may have this name.
+fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, ConvergeError> {
+    let fail = |why: String| ConvergeError::Reference { file: path.display().to_string(), why };
+    let text = match std::fs::read_to_string(path) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        text => text.map_err(|error| fail(error.to_string()))?,
+    };
+    if !text.contains("\"relmse_floor\"") {
+        return Ok(None);
+    }
+    let mend = "`relmse_floor` and `rmse_floor` are the noise of the reference: mend or remove the file";
+    serde_json::from_str(&text).map(Some).map_err(|error| fail(format!("{error}; {mend}")))
+}
+
+fn mean_noise(planes: &[Vec<f32>; 3], variance: [&[f32]; 3]) -> Noise {
+    let (mut mse, mut relmse, mut values) = (0.0, 0.0, 0u64);
+    for (plane, variance) in planes.iter().zip(variance) {
+        for (&r, &v) in plane.iter().zip(variance).filter(|(r, v)| r.is_finite() && v.is_finite()) {
+            mse += f64::from(v);
+            relmse += f64::from(v) * relative(f64::from(r));
+            values += 1;
+        }
+    }
+    let n = values.max(1) as f64;
+    Noise { mse: mse / n, relmse: relmse / n }
+}

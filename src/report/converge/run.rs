@@ -1,0 +1,284 @@
+//! The study itself: pilots, cells in turn, statistics, files.
+
+use super::cell::{Budget, Cell, CellKey};
+use super::progress::CellProgress;
+use super::reference::Reference;
+use super::statistics::{Accumulator, relative};
+use super::store::{Fnv, Store};
+use super::summary::{self, ConvergeReport, Row};
+use super::{ConvergeError, html, pictures, write};
+use crate::film::{self, Attribute, VarianceValidity, read_exr};
+use crate::kernel::World;
+use crate::render::{self, Options, Outcome, Progress, Times, interrupt};
+use crate::scene::Scene;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Seeds that a budget may use before the next one's begin.
+const SEEDS_PER_BUDGET: u64 = 1 << 20;
+/// A budget in seconds is paced by a pilot that lasts this share of it at least.
+const PILOT_SHARE: f64 = 0.2;
+
+/// A scene, ready, and how it is rendered.
+pub struct Variant {
+    pub name: String,
+    /// As they were given: the variant's identity in a folder.
+    pub arguments: String,
+    pub world: World,
+    pub options: Options,
+    pub threads: usize,
+    pub times: Times,
+    /// Of the scene as loaded.
+    pub fingerprint: String,
+    pool: Arc<rayon::ThreadPool>,
+}
+
+/// What to measure.
+pub struct Plan {
+    pub scene: String,
+    pub variants: Vec<Variant>,
+    /// In increasing order, all of one kind.
+    pub budgets: Vec<Budget>,
+    pub seeds: u64,
+    pub first_seed: u64,
+    /// `None`: one is made from the first variant's scene.
+    pub reference: Option<PathBuf>,
+    /// Samples a pixel of a made reference; `None`: [`REFERENCE_FACTOR`] times the largest budget's.
+    pub reference_samples: Option<u64>,
+    pub folder: PathBuf,
+    pub resume: bool,
+    pub exposure: f32,
+    pub quiet: bool,
+    /// The command that does this again.
+    pub command: String,
+}
+
+/// A made reference has this many times the samples of the largest budget: it adds a sixteenth of the least error.
+pub const REFERENCE_FACTOR: u64 = 16;
+
+impl Variant {
+    /// `pools` are those of the variants before: one for each number of threads, pinned to cores.
+    ///
+    /// # Errors
+    /// The operating system gives no threads.
+    pub fn new(
+        (name, arguments): (String, String),
+        (scene, world, times): (&Scene, World, Times),
+        options: Options,
+        threads: usize,
+        before: &[Variant],
+    ) -> Result<Self, rayon::ThreadPoolBuildError> {
+        let known = before.iter().find(|v| v.threads == threads).map(|v| v.pool.clone());
+        let pool = match known {
+            Some(pool) => pool,
+            None => Arc::new(render::pinned_thread_pool(threads)?),
+        };
+        let fingerprint = fingerprint(scene);
+        Ok(Variant { name, arguments, world, options, threads, times, fingerprint, pool })
+    }
+
+    pub(super) fn render(&mut self, budget: render::Budget, seed: u64) -> Outcome {
+        let own = std::mem::replace(&mut self.world.seed, seed);
+        let options = Options { budget, ..self.options };
+        let outcome = render::render(&self.world, &options, &self.pool, &mut Progress::quiet());
+        self.world.seed = own;
+        outcome
+    }
+
+    fn render_samples(&mut self, samples: u64, seed: u64) -> Outcome {
+        self.render(render::Budget { samples: Some(samples), ..render::Budget::default() }, seed)
+    }
+
+    /// Samples a pixel that last about `seconds`, by a pilot whose samples are thrown away; 0 if interrupted.
+    fn pace(&mut self, seconds: f64, seed: u64) -> u64 {
+        let mut samples = 1;
+        loop {
+            let took = self.render_samples(samples, seed).render_seconds;
+            if interrupt::presses() > 0 {
+                return 0;
+            }
+            if took >= PILOT_SHARE * seconds || samples >= render::budget::MAX_SAMPLES / 2 {
+                let fitting = (samples as f64 * seconds / took.max(1e-9)).round();
+                return fitting.clamp(1.0, render::budget::MAX_SAMPLES as f64) as u64;
+            }
+            samples *= 2;
+        }
+    }
+}
+
+/// Everything that was read from the scene's files, hashed; its name is not part of it.
+fn fingerprint(scene: &Scene) -> String {
+    use std::fmt::Write;
+    let mut hash = Fnv::default();
+    let Scene { camera, film, integrator, environment, mesh, spheres, materials, .. } = scene;
+    // Writing to a hash cannot fail.
+    let _ = write!(hash, "{camera:?}{film:?}{integrator:?}{environment:?}{mesh:?}{spheres:?}{materials:?}");
+    hash.hex()
+}
+
+/// Runs a study and writes its files; what is finished is reported even if the user interrupts.
+///
+/// # Errors
+/// The folder or reference cannot be used, or the user interrupted before a cell was finished.
+pub fn run(mut plan: Plan) -> Result<ConvergeReport, ConvergeError> {
+    let start = Instant::now();
+    let mut store = Store::open(&plan.folder, &plan.variants, plan.resume)?;
+    pace_all(&mut plan, &mut store)?;
+    let reference = reference(&mut plan, &store)?;
+    // The first render of a world touches its memory for the first time: not a cell's time.
+    plan.variants.iter_mut().for_each(|v| drop(v.render_samples(1, u64::MAX)));
+    let cells = render_cells(&mut plan, &mut store)?;
+    let mut rows = Vec::new();
+    for variant in 0..plan.variants.len() {
+        for budget in 0..plan.budgets.len() {
+            rows.extend(row(&plan, &store, &reference, (variant, budget), &cells)?);
+        }
+    }
+    if rows.is_empty() {
+        return Err(ConvergeError::Interrupted);
+    }
+    let done = rows.iter().map(|row| row.seeds.len()).sum();
+    let report = summary::report(&plan, &reference, rows, (done, cells.len()), start.elapsed().as_secs_f64());
+    let images = pictures::write(&plan, &store, &reference, &report)?;
+    write::files(&plan.folder, &report)?;
+    html::write(&plan.folder, &report, &images)?;
+    Ok(report)
+}
+
+/// Turns budgets in seconds into samples, by variant, once for all seeds and sessions.
+fn pace_all(plan: &mut Plan, store: &mut Store) -> Result<(), ConvergeError> {
+    for budget in plan.budgets.clone() {
+        let Budget::Seconds(seconds) = budget else { continue };
+        for variant in &mut plan.variants {
+            if samples_of(store, variant, budget).is_some() {
+                continue;
+            }
+            let samples = variant.pace(seconds, u64::MAX);
+            if samples == 0 {
+                return Err(ConvergeError::Interrupted);
+            }
+            store.origin.paced.push((variant.arguments.clone(), budget, samples));
+        }
+    }
+    Ok(store.write()?)
+}
+
+fn samples_of(store: &Store, variant: &Variant, budget: Budget) -> Option<u64> {
+    let paced = |(arguments, known, _): &&(String, Budget, u64)| *arguments == variant.arguments && *known == budget;
+    match budget {
+        Budget::Samples(samples) => Some(samples),
+        Budget::Seconds(_) => store.origin.paced.iter().find(paced).map(|p| p.2),
+    }
+}
+
+fn reference(plan: &mut Plan, store: &Store) -> Result<Reference, ConvergeError> {
+    let (folder, quiet) = (plan.folder.clone(), plan.quiet);
+    let say = |line: &str| {
+        if !quiet {
+            eprintln!("{line}");
+        }
+    };
+    let last = plan.budgets.last().copied();
+    let largest = plan.variants.iter().filter_map(|v| samples_of(store, v, last?)).max().unwrap_or(1);
+    let samples = plan.reference_samples.unwrap_or(REFERENCE_FACTOR * largest).min(render::budget::MAX_SAMPLES);
+    // Variants have one image size: that was checked when they were made.
+    let Some(first) = plan.variants.first_mut() else { return Err(ConvergeError::Interrupted) };
+    let film = first.world.film;
+    match &plan.reference {
+        Some(path) => Reference::load(path, (film.width, film.height)),
+        None => Reference::make(first, samples, &folder, &say),
+    }
+}
+
+/// All cells in the order they are rendered: a seed's curves first, budgets from small to large, variants in turn.
+fn order(plan: &Plan) -> Vec<(usize, usize, u64)> {
+    let mut cells = Vec::new();
+    for seed in 0..plan.seeds {
+        for budget in 0..plan.budgets.len() {
+            cells.extend((0..plan.variants.len()).map(|variant| (variant, budget, seed)));
+        }
+    }
+    cells
+}
+
+fn key(plan: &Plan, (variant, budget, seed): (usize, usize, u64)) -> CellKey {
+    let seed = plan.first_seed.wrapping_add(budget as u64 * SEEDS_PER_BUDGET).wrapping_add(seed);
+    CellKey { variant: plan.variants[variant].arguments.clone(), budget: plan.budgets[budget], seed }
+}
+
+/// Renders what is missing, until done or interrupted. Returns the keys of all cells, finished or not.
+fn render_cells(plan: &mut Plan, store: &mut Store) -> Result<Vec<CellKey>, ConvergeError> {
+    let order = order(plan);
+    let keys: Vec<_> = order.iter().map(|&cell| key(plan, cell)).collect();
+    let work = |store: &Store, plan: &Plan, at: usize| {
+        let (variant, budget, _) = order[at];
+        samples_of(store, &plan.variants[variant], plan.budgets[budget]).unwrap_or(1) as f64
+    };
+    let missing: Vec<_> = (0..keys.len()).filter(|&i| store.find(&keys[i]).is_none()).collect();
+    let all_work = missing.iter().map(|&at| work(store, plan, at)).sum();
+    let mut progress = CellProgress::new(keys.len(), keys.len() - missing.len(), all_work, plan.quiet);
+    for at in missing {
+        let (samples, name) = (work(store, plan, at), plan.variants[order[at].0].name.clone());
+        progress.start(&format!("{name}, {}, seed {}", keys[at].budget, keys[at].seed));
+        let variant = &mut plan.variants[order[at].0];
+        let outcome = variant.render_samples(samples as u64, keys[at].seed);
+        if interrupt::presses() > 0 {
+            break;
+        }
+        let cell = save(&plan.folder, variant, keys[at].clone(), &outcome)?;
+        store.add(cell)?;
+        progress.finish(samples);
+    }
+    progress.end();
+    Ok(keys)
+}
+
+/// Writes the image as `render` would, and says what the cell cost.
+fn save(folder: &Path, variant: &Variant, key: CellKey, outcome: &Outcome) -> Result<Cell, ConvergeError> {
+    let mut identity = Fnv::default();
+    identity.add(format!("{key:?}").as_bytes());
+    let image = format!("cells/{}.exr", identity.hex());
+    let attributes = [
+        ("octolux.variant".to_owned(), Attribute::Text(key.variant.clone())),
+        ("octolux.samples".to_owned(), Attribute::Integer(outcome.film.samples())),
+        ("octolux.seed".to_owned(), Attribute::Integer(key.seed)),
+    ];
+    let start = Instant::now();
+    let path = folder.join(&image);
+    variant.pool.install(|| film::write_exr(&outcome.film, &path, &attributes, VarianceValidity::Independent))?;
+    Ok(Cell {
+        samples_per_pixel: outcome.film.samples(),
+        render_seconds: outcome.render_seconds,
+        output_seconds: start.elapsed().as_secs_f64(),
+        paths: outcome.counters.camera_rays,
+        rays: outcome.counters.rays(),
+        discarded_samples: outcome.film.discarded().count,
+        image,
+        key,
+    })
+}
+
+/// Statistics of one variant and budget over the seeds that are finished; `None` where there are none.
+fn row(
+    plan: &Plan,
+    store: &Store,
+    reference: &Reference,
+    (variant, budget): (usize, usize),
+    keys: &[CellKey],
+) -> Result<Option<Row>, ConvergeError> {
+    let of_row = |key: &&CellKey| key.variant == plan.variants[variant].arguments && key.budget == plan.budgets[budget];
+    let cells: Vec<&Cell> = keys.iter().filter(of_row).filter_map(|key| store.find(key)).collect();
+    let mut images = Accumulator::new(reference.rgb());
+    for cell in &cells {
+        images.add(read_exr(&store.path_of(cell))?.rgb());
+    }
+    if cells.is_empty() {
+        return Ok(None);
+    }
+    let absolute = images.moments(|_| 1.0).split(reference.noise.mse);
+    let relative = images.moments(relative).split(reference.noise.relmse);
+    let setup = plan.variants[variant].times.load + plan.variants[variant].times.setup;
+    let name = plan.variants[variant].name.clone();
+    Ok(Some(summary::row(name, &cells, setup, (absolute, relative), &images.absolute_errors)))
+}

@@ -1,0 +1,263 @@
+//! The report as data: what `report.json` holds.
+
+use super::cell::{Budget, Cell};
+use super::reference::{Noise, NoiseSource, Reference};
+use super::run::{Plan, Variant};
+use super::statistics::{LARGEST_TRUSTED_SHARE, Split};
+use crate::report::fit::{CONFIDENCE, Estimate, PowerLaw, Reached, budget_for, fit_power_law};
+use serde::{Deserialize, Serialize};
+
+/// Version of the JSON's form; raised when a field changes its meaning or goes.
+pub const REPORT_FORMAT: u32 = 1;
+/// relMSE that budgets are given for.
+pub const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-4];
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ConvergeReport {
+    pub format: u32,
+    /// `converge`.
+    pub kind: String,
+    pub scene: String,
+    pub command: String,
+    pub width: u32,
+    pub height: u32,
+    pub budgets: Vec<Budget>,
+    pub seeds: u64,
+    /// Budget i uses seeds first_seed + 2^20 i + 0, 1, 2 …
+    pub first_seed: u64,
+    pub confidence: f64,
+    pub reference: ReferenceReport,
+    pub variants: Vec<VariantReport>,
+    pub cells_done: usize,
+    pub cells: usize,
+    /// Of this session.
+    pub wall_seconds: f64,
+    pub machine: Machine,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ReferenceReport {
+    pub file: String,
+    pub samples_per_pixel: Option<u64>,
+    pub noise: Noise,
+    pub noise_source: NoiseSource,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Machine {
+    pub cpu: Option<String>,
+    /// Cores that this process may use.
+    pub cores: usize,
+    pub version: String,
+    pub build: String,
+    pub optimised: bool,
+    pub cpu_features: Vec<String>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VariantReport {
+    pub name: String,
+    pub arguments: String,
+    pub lanes: usize,
+    pub threads: usize,
+    pub load_seconds: f64,
+    /// Load included.
+    pub setup_seconds: f64,
+    pub rows: Vec<Row>,
+    /// relMSE against samples a pixel, and against seconds of rendering.
+    pub relmse_by_samples: Option<PowerLaw>,
+    pub relmse_by_seconds: Option<PowerLaw>,
+    pub targets: Vec<Target>,
+}
+
+/// What a relMSE costs; `None` where it cannot be said.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Target {
+    pub relmse: f64,
+    pub paths: Option<Reached>,
+    /// Rendering alone.
+    pub seconds: Option<Reached>,
+    /// Set-up, rendering, writing.
+    pub wall_seconds: Option<Reached>,
+}
+
+/// One variant at one budget, over seeds. Errors are against the reference, less its own noise (but for MAE).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    pub variant: String,
+    pub budget: Budget,
+    pub samples_per_pixel: u64,
+    pub mse: Estimate,
+    pub rmse: Estimate,
+    pub relmse: Estimate,
+    /// The reference's noise is in it.
+    pub mae: Estimate,
+    pub bias_squared: Option<Estimate>,
+    pub variance: Option<Estimate>,
+    pub relative_bias_squared: Option<Estimate>,
+    pub relative_variance: Option<Estimate>,
+    pub seconds: Estimate,
+    pub wall_seconds: Estimate,
+    /// variance × seconds.
+    pub time_to_unit_variance: Option<Estimate>,
+    /// Camera paths of one seed.
+    pub paths: u64,
+    pub rays: u64,
+    /// Of all seeds.
+    pub discarded_samples: u64,
+    /// The largest value's share of the summed squared error, and of the summed relative one.
+    pub largest_share: f64,
+    pub largest_relative_share: f64,
+    /// Why the intervals cannot be trusted; empty if they can.
+    pub doubts: Vec<String>,
+    pub seeds: Vec<SeedRow>,
+}
+
+/// One cell's own values; the reference's noise is in them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SeedRow {
+    pub seed: u64,
+    pub mae: f64,
+    pub render_seconds: f64,
+    pub output_seconds: f64,
+    pub image: String,
+}
+
+pub fn row(variant: String, cells: &[&Cell], setup: f64, (absolute, relative): (Split, Split), mae: &[f64]) -> Row {
+    let seconds: Vec<f64> = cells.iter().map(|cell| cell.render_seconds).collect();
+    let wall: Vec<f64> = cells.iter().map(|cell| setup + cell.render_seconds + cell.output_seconds).collect();
+    let seed = |(cell, &mae): (&&Cell, &f64)| SeedRow {
+        seed: cell.key.seed,
+        mae,
+        render_seconds: cell.render_seconds,
+        output_seconds: cell.output_seconds,
+        image: cell.image.clone(),
+    };
+    let first = cells[0];
+    let seconds = Estimate::mean(&seconds);
+    let shares = (absolute.largest_share, relative.largest_share);
+    Row {
+        variant,
+        budget: first.key.budget,
+        samples_per_pixel: first.samples_per_pixel,
+        mse: absolute.error,
+        rmse: absolute.error.sqrt(),
+        relmse: relative.error,
+        mae: Estimate::mean(mae),
+        bias_squared: absolute.bias_squared,
+        variance: absolute.variance,
+        relative_bias_squared: relative.bias_squared,
+        relative_variance: relative.variance,
+        seconds,
+        wall_seconds: Estimate::mean(&wall),
+        time_to_unit_variance: absolute.variance.map(|variance| product(variance, seconds)),
+        paths: first.paths,
+        rays: first.rays,
+        discarded_samples: cells.iter().map(|cell| cell.discarded_samples).sum(),
+        largest_share: shares.0,
+        largest_relative_share: shares.1,
+        doubts: doubts(cells.len(), shares, relative.error),
+        seeds: cells.iter().zip(mae).map(seed).collect(),
+    }
+}
+
+/// a b of independent estimates: relative errors add in quadrature.
+fn product(a: Estimate, b: Estimate) -> Estimate {
+    let value = a.value * b.value;
+    let error = ((a.standard_error * b.value).powi(2) + (b.standard_error * a.value).powi(2)).sqrt();
+    Estimate::student(value, error, a.dof.min(b.dof))
+}
+
+fn doubts(seeds: usize, (share, relative_share): (f64, f64), relmse: Estimate) -> Vec<String> {
+    let mut doubts = Vec::new();
+    if seeds < 3 {
+        doubts.push(format!("{seeds} seed{}", if seeds == 1 { "" } else { "s" }));
+    }
+    for (share, metric) in [(share, "squared error"), (relative_share, "relMSE")] {
+        if share > LARGEST_TRUSTED_SHARE {
+            doubts.push(format!("one value makes up {:.1} % of the {metric}", 100.0 * share));
+        }
+    }
+    if relmse.value <= 0.0 || relmse.lo <= 0.0 && seeds >= 3 {
+        doubts.push("not told from the reference's noise".to_owned());
+    }
+    doubts
+}
+
+/// `done` and `cells`: how many were finished, of how many.
+pub fn report(
+    plan: &Plan,
+    reference: &Reference,
+    rows: Vec<Row>,
+    (done, cells): (usize, usize),
+    seconds: f64,
+) -> ConvergeReport {
+    let own = |v: &Variant| rows.iter().filter(|row| row.variant == v.name).cloned().collect();
+    ConvergeReport {
+        format: REPORT_FORMAT,
+        kind: "converge".to_owned(),
+        scene: plan.scene.clone(),
+        command: plan.command.clone(),
+        width: reference.width,
+        height: reference.height,
+        budgets: plan.budgets.clone(),
+        seeds: plan.seeds,
+        first_seed: plan.first_seed,
+        confidence: CONFIDENCE,
+        reference: ReferenceReport {
+            file: reference.path.display().to_string(),
+            samples_per_pixel: reference.samples_per_pixel,
+            noise: reference.noise,
+            noise_source: reference.noise_source,
+        },
+        variants: plan.variants.iter().map(|v| variant_report(v, own(v))).collect(),
+        cells_done: done,
+        cells,
+        wall_seconds: seconds,
+        machine: Machine {
+            cpu: crate::process::cpu_model(),
+            cores: crate::process::allowed_cores().len(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            build: super::store::build_id(),
+            optimised: !cfg!(debug_assertions),
+            cpu_features: crate::cpu::compiled_features().into_iter().map(str::to_owned).collect(),
+        },
+    }
+}
+
+fn variant_report(variant: &Variant, rows: Vec<Row>) -> VariantReport {
+    let curve = |x: fn(&Row) -> f64| rows.iter().map(|row| (x(row), row.relmse)).collect::<Vec<_>>();
+    let samples = curve(|row| row.samples_per_pixel as f64);
+    let seconds = curve(|row| row.seconds.value);
+    let (by_samples, by_seconds) = (fit_power_law(&samples), fit_power_law(&seconds));
+    let slope = |law: &Option<PowerLaw>| law.map(|law| law.exponent.value);
+    let reach = |curve: &[(f64, Estimate)], target: f64, slope: Option<f64>| {
+        let points: Vec<_> = curve.iter().map(|(x, y)| (*x, y.value)).collect();
+        budget_for(&points, target, slope)
+    };
+    let overhead = |row: &Row| row.wall_seconds.value - row.seconds.value;
+    let target = |&relmse: &f64| {
+        let seconds = reach(&seconds, relmse, slope(&by_seconds));
+        let around = rows.last().map_or(0.0, overhead);
+        Target {
+            relmse,
+            paths: reach(&curve(|row| row.paths as f64), relmse, slope(&by_samples)),
+            seconds,
+            // Not along the wall clock's own slope, which the fixed part bends.
+            wall_seconds: seconds.map(|s| Reached { budget: s.budget + around, ..s }),
+        }
+    };
+    let targets = TARGETS.iter().map(target).collect();
+    VariantReport {
+        name: variant.name.clone(),
+        arguments: variant.arguments.clone(),
+        lanes: variant.options.width.lanes(),
+        threads: variant.threads,
+        load_seconds: variant.times.load,
+        setup_seconds: variant.times.load + variant.times.setup,
+        relmse_by_samples: by_samples,
+        relmse_by_seconds: by_seconds,
+        targets,
+        rows,
+    }
+}

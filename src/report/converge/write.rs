@@ -1,0 +1,131 @@
+//! The report's files apart from the page: JSON, CSV and plots.
+
+use super::ConvergeError;
+use super::summary::{ConvergeReport, Row};
+use crate::film::beside::write_beside;
+use crate::report::fit::Estimate;
+use crate::report::plot::{Curve, Guide, Plot, Point, Scale};
+use std::io::Write;
+use std::path::Path;
+
+/// Writes `report.json`, `errors.csv` and an SVG for each plot.
+///
+/// # Errors
+/// A file cannot be written.
+pub fn files(folder: &Path, report: &ConvergeReport) -> Result<(), ConvergeError> {
+    write_beside(&folder.join("report.json"), |out| serde_json::to_writer_pretty(out, report))?;
+    write_beside(&folder.join("errors.csv"), |out| out.write_all(csv(report).as_bytes()))?;
+    for (name, plot) in plots(report) {
+        let svg = plot.svg_file();
+        write_beside(&folder.join(format!("{name}.svg")), |out| out.write_all(svg.as_bytes()))?;
+    }
+    Ok(())
+}
+
+/// A named value of a row, with the ends of its interval.
+type Column = (&'static str, fn(&Row) -> Option<Estimate>);
+
+const COLUMNS: [Column; 10] = [
+    ("rmse", |row| Some(row.rmse)),
+    ("relmse", |row| Some(row.relmse)),
+    ("mae", |row| Some(row.mae)),
+    ("bias_squared", |row| row.bias_squared),
+    ("variance", |row| row.variance),
+    ("relative_bias_squared", |row| row.relative_bias_squared),
+    ("relative_variance", |row| row.relative_variance),
+    ("seconds", |row| Some(row.seconds)),
+    ("wall_seconds", |row| Some(row.wall_seconds)),
+    ("time_to_unit_variance", |row| row.time_to_unit_variance),
+];
+
+/// A line each variant and budget; an end or value that is not known is empty.
+fn csv(report: &ConvergeReport) -> String {
+    let mut text = "variant,budget,samples_per_pixel,seeds,paths,discarded_samples,largest_share,\
+                    largest_relative_share,trusted"
+        .to_owned();
+    for (name, _) in COLUMNS {
+        text += &format!(",{name},{name}_lo,{name}_hi");
+    }
+    text.push('\n');
+    let number = |x: f64| if x.is_finite() { format!("{x:e}") } else { String::new() };
+    for row in report.variants.iter().flat_map(|variant| &variant.rows) {
+        let name = format!("\"{}\"", row.variant.replace('"', "\"\""));
+        text += &format!(
+            "{name},{},{},{},{},{},{:e},{:e},{}",
+            row.budget,
+            row.samples_per_pixel,
+            row.seeds.len(),
+            row.paths,
+            row.discarded_samples,
+            row.largest_share,
+            row.largest_relative_share,
+            row.doubts.is_empty()
+        );
+        for (_, value) in COLUMNS {
+            match value(row) {
+                Some(e) => text += &format!(",{},{},{}", number(e.value), number(e.lo), number(e.hi)),
+                None => text += ",,,",
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+const SAMPLES: (&str, fn(&Row) -> f64) = ("samples a pixel", |row| row.samples_per_pixel as f64);
+const SECONDS: (&str, fn(&Row) -> f64) = ("seconds of rendering", |row| row.seconds.value);
+const WALL: (&str, fn(&Row) -> f64) = ("seconds, set-up and writing included", |row| row.wall_seconds.value);
+const RMSE: (&str, fn(&Row) -> Estimate) = ("RMSE", |row| row.rmse);
+const RELMSE: (&str, fn(&Row) -> Estimate) = ("relMSE", |row| row.relmse);
+
+/// All plots with the names of their files.
+pub fn plots(report: &ConvergeReport) -> Vec<(&'static str, Plot)> {
+    vec![
+        ("rmse-samples", plot(report, "RMSE against samples", SAMPLES, RMSE, -0.5)),
+        ("rmse-seconds", plot(report, "RMSE against rendering time", SECONDS, RMSE, -0.5)),
+        ("relmse-samples", plot(report, "relMSE against samples", SAMPLES, RELMSE, -1.0)),
+        ("relmse-seconds", plot(report, "relMSE against rendering time", SECONDS, RELMSE, -1.0)),
+        ("relmse-wall", plot(report, "relMSE against wall clock", WALL, RELMSE, -1.0)),
+        ("bias-variance", bias_variance(report)),
+    ]
+}
+
+fn plot(
+    report: &ConvergeReport,
+    title: &str,
+    (x_label, x): (&str, fn(&Row) -> f64),
+    (y_label, y): (&str, fn(&Row) -> Estimate),
+    slope: f64,
+) -> Plot {
+    let plot = Plot::new(title, (x_label, Scale::Log), (y_label, Scale::Log)).guide(Guide::slope(slope));
+    report.variants.iter().enumerate().fold(plot, |plot, (number, variant)| {
+        let points = variant.rows.iter().map(|row| point(x(row), y(row))).collect();
+        plot.curve(Curve::new(&variant.name, points).styled(number))
+    })
+}
+
+/// Relative variance, and relative bias² where its interval lies above zero.
+fn bias_variance(report: &ConvergeReport) -> Plot {
+    let plot = Plot::new("Variance and bias²", (SAMPLES.0, Scale::Log), ("share of relMSE", Scale::Log));
+    let mut plot = plot.guide(Guide::slope(-1.0));
+    if report.reference.noise.relmse > 0.0 {
+        plot = plot.guide(Guide::level(report.reference.noise.relmse, "noise of the reference"));
+    }
+    let points = |rows: &[Row], part: fn(&Row) -> Option<Estimate>| -> Vec<Point> {
+        rows.iter().filter_map(|row| Some(point(SAMPLES.1(row), part(row)?))).collect()
+    };
+    for (number, variant) in report.variants.iter().enumerate() {
+        let variance = points(&variant.rows, |row| row.relative_variance);
+        plot = plot.curve(Curve::new(format!("{}: variance", variant.name), variance).styled(number));
+        let bias = points(&variant.rows, |row| row.relative_bias_squared.filter(|bias| bias.lo > 0.0));
+        if !bias.is_empty() {
+            let curve = Curve::new(format!("{}: bias²", variant.name), bias).styled(number);
+            plot = plot.curve(Curve { joined: false, ..curve });
+        }
+    }
+    plot
+}
+
+fn point(x: f64, y: Estimate) -> Point {
+    Point { x, y: y.value, lo: y.lo, hi: y.hi }
+}
