@@ -2,6 +2,7 @@
 
 mod budgets;
 mod check;
+mod converge;
 mod errors;
 mod render;
 

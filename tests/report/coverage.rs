@@ -12,7 +12,7 @@ fn mean_square(rng: &mut Rng, values: usize) -> f64 {
     (0..values).map(|_| normal(rng).powi(2)).sum::<f64>() / values as f64
 }
 
-fn normal(rng: &mut Rng) -> f64 {
+pub fn normal(rng: &mut Rng) -> f64 {
     let (u, v) = (1.0 - rng.f64(), rng.f64());
     (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
 }

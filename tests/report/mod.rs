@@ -1,5 +1,6 @@
 //! Reports: statistics of error curves against closed forms and simulation, plots, pages.
 
+mod converge;
 mod coverage;
 mod fit;
 mod page;

@@ -73,6 +73,10 @@ fn curves(report: &ConvergeReport) -> Section {
         let text = format!("{doubted} of {} points have intervals that cannot be trusted: see Errors.", rows().count());
         section = section.with(Block::Warning(text));
     }
+    for twins in report.same_images() {
+        let text = format!("The same images bit for bit, and one curve against samples: {}.", twins.join(", "));
+        section = section.with(Block::prose(text));
+    }
     let discarded: u64 = rows().map(|row| row.discarded_samples).sum();
     if discarded > 0 {
         section = section.with(Block::Warning(format!("{discarded} samples were not finite and count as 0.")));
@@ -86,7 +90,7 @@ fn costs(report: &ConvergeReport) -> Table {
     let mut header = vec!["variant".to_owned(), "slope by samples".into(), "bend".into(), "slope by seconds".into()];
     header.extend(["set-up s".to_owned(), "time to unit variance s".into()]);
     for target in report.variants.first().map_or(&[][..], |v| &v.targets) {
-        let target = number(target.relmse);
+        let target = format!("{:e}", target.relmse).replace('-', "−");
         header.extend([
             format!("relMSE {target}: s rendering"),
             format!("relMSE {target}: s wall clock"),
@@ -117,21 +121,21 @@ fn errors(report: &ConvergeReport) -> Table {
     let table = Table::new(header.into_iter().chain(["paths", "discarded", "largest share", "doubts"]));
     let table = table.captioned("Means over seeds, ± half the 95 % interval. MAE holds the reference's noise.");
     rows(report, table, |row| {
-        let text = |text: String| if row.doubts.is_empty() { Cell::from(text) } else { Cell::flagged(text) };
+        let text = |text: String, trusted: bool| if trusted { Cell::from(text) } else { Cell::flagged(text) };
         vec![
             row.variant.as_str().into(),
             row.budget.to_string().into(),
             row.samples_per_pixel.to_string().into(),
             row.seeds.len().to_string().into(),
-            text(with_percent(row.rmse)),
-            text(with_percent(row.relmse)),
-            text(with_percent(row.mae)),
+            text(with_percent(row.rmse), row.rmse_trusted),
+            text(with_percent(row.relmse), row.relmse_trusted),
+            with_percent(row.mae).into(),
             with_percent(row.seconds).into(),
             number(row.wall_seconds.value).into(),
             number(row.paths as f64).into(),
             row.discarded_samples.to_string().into(),
             format!("{:.2} %", 100.0 * row.largest_share.max(row.largest_relative_share)).into(),
-            text(row.doubts.join("; ")),
+            text(row.doubts.join("; "), row.doubts.is_empty()),
         ]
     })
 }

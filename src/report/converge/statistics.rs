@@ -49,7 +49,8 @@ impl Moments {
     }
 
     /// bias² = (|D|² − Σ|d_s|²)/(S(S−1)), the mean of d_s·d_t over pairs, and variance = mean |d_s|² − bias², each with
-    /// the jackknife's standard error (Efron & Stein 1981) over seeds.
+    /// the jackknife's standard error over seeds, which is on average too large rather than too small (Efron & Stein
+    /// 1981): by √2 for bias² where there is none.
     fn parts(&self) -> Option<(Estimate, Estimate)> {
         let s = self.squares.len() as f64;
         if self.squares.len() < 3 {

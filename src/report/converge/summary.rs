@@ -108,7 +108,10 @@ pub struct Row {
     /// The largest value's share of the summed squared error, and of the summed relative one.
     pub largest_share: f64,
     pub largest_relative_share: f64,
-    /// Why the intervals cannot be trusted; empty if they can.
+    /// May the intervals of MSE and RMSE, and of relMSE, be relied on?
+    pub rmse_trusted: bool,
+    pub relmse_trusted: bool,
+    /// Why they may not, in words; empty if both may.
     pub doubts: Vec<String>,
     pub seeds: Vec<SeedRow>,
 }
@@ -156,7 +159,9 @@ pub fn row(variant: String, cells: &[&Cell], setup: f64, (absolute, relative): (
         discarded_samples: cells.iter().map(|cell| cell.discarded_samples).sum(),
         largest_share: shares.0,
         largest_relative_share: shares.1,
-        doubts: doubts(cells.len(), shares, relative.error),
+        rmse_trusted: doubts(cells.len(), shares.0, absolute.error, "").is_empty(),
+        relmse_trusted: doubts(cells.len(), shares.1, relative.error, "").is_empty(),
+        doubts: all_doubts(cells.len(), shares, (absolute.error, relative.error)),
         seeds: cells.iter().zip(mae).map(seed).collect(),
     }
 }
@@ -168,20 +173,44 @@ fn product(a: Estimate, b: Estimate) -> Estimate {
     Estimate::student(value, error, a.dof.min(b.dof))
 }
 
-fn doubts(seeds: usize, (share, relative_share): (f64, f64), relmse: Estimate) -> Vec<String> {
+/// Why an interval of `error` cannot be trusted.
+fn doubts(seeds: usize, share: f64, error: Estimate, metric: &str) -> Vec<String> {
     let mut doubts = Vec::new();
     if seeds < 3 {
         doubts.push(format!("{seeds} seed{}", if seeds == 1 { "" } else { "s" }));
     }
-    for (share, metric) in [(share, "squared error"), (relative_share, "relMSE")] {
-        if share > LARGEST_TRUSTED_SHARE {
-            doubts.push(format!("one value makes up {:.1} % of the {metric}", 100.0 * share));
-        }
+    if share > LARGEST_TRUSTED_SHARE {
+        doubts.push(format!("one value makes up {:.1} % of the {metric}", 100.0 * share));
     }
-    if relmse.value <= 0.0 || relmse.lo <= 0.0 && seeds >= 3 {
-        doubts.push("not told from the reference's noise".to_owned());
+    if error.value <= 0.0 || (error.lo <= 0.0 && seeds >= 3) {
+        doubts.push(format!("{metric} not told from zero"));
     }
     doubts
+}
+
+fn all_doubts(seeds: usize, shares: (f64, f64), errors: (Estimate, Estimate)) -> Vec<String> {
+    let mut all = doubts(seeds, shares.0, errors.0, "squared error");
+    all.extend(doubts(seeds, shares.1, errors.1, "relMSE"));
+    all.dedup();
+    all
+}
+
+impl ConvergeReport {
+    /// Names of variants whose errors have the same bits at every budget, in groups of two or more.
+    pub fn same_images(&self) -> Vec<Vec<&str>> {
+        let errors = |v: &VariantReport| -> Vec<[u64; 3]> {
+            v.rows.iter().map(|row| [row.mse.value, row.relmse.value, row.mae.value].map(f64::to_bits)).collect()
+        };
+        let mut groups: Vec<(Vec<[u64; 3]>, Vec<&str>)> = Vec::new();
+        for variant in &self.variants {
+            let own = errors(variant);
+            match groups.iter_mut().find(|(known, _)| *known == own) {
+                Some((_, names)) => names.push(&variant.name),
+                None => groups.push((own, vec![&variant.name])),
+            }
+        }
+        groups.into_iter().map(|(_, names)| names).filter(|names| names.len() > 1).collect()
+    }
 }
 
 /// `done` and `cells`: how many were finished, of how many.

@@ -1,0 +1,223 @@
+//! `octolux converge`: files, figures, variants, resuming, interruption.
+
+use super::{Scratch, text};
+use octolux::film::read_exr;
+use octolux::report::converge::{Budget, ConvergeReport, NoiseSource, REPORT_FORMAT};
+use octolux::report::metrics::compare;
+use std::collections::BTreeSet;
+
+/// Runs a study that must succeed and reads its report.
+fn study(scratch: &Scratch, folder: &str, arguments: &[&str]) -> ConvergeReport {
+    let common = ["converge", "scene.toml", "-o", folder, "--quiet"];
+    let output = scratch.run(&[&common, arguments].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    report(scratch, folder)
+}
+
+fn report(scratch: &Scratch, folder: &str) -> ConvergeReport {
+    let json = std::fs::read(scratch.path(folder).join("report.json")).unwrap();
+    serde_json::from_slice(&json).unwrap()
+}
+
+/// Bits of all errors of all rows.
+fn errors(report: &ConvergeReport) -> Vec<[u64; 4]> {
+    let rows = report.variants.iter().flat_map(|v| &v.rows);
+    rows.map(|r| [r.mse.value, r.relmse.value, r.relmse.hi, r.mae.value].map(f64::to_bits)).collect()
+}
+
+#[test]
+fn a_study_writes_its_files_and_errors_fall_as_theory_says() {
+    let scratch = Scratch::new();
+    let variants = "sixteen: --lanes 16; one: --lanes 1 --threads 1";
+    let report = study(&scratch, "out", &["--spp", "4,16,64", "--seeds", "6", "--variants", variants]);
+    for file in ["report.json", "errors.csv", "report.html", "rmse-samples.svg", "relmse-seconds.svg", "cells.json"] {
+        assert!(scratch.path("out").join(file).metadata().unwrap().len() > 100, "{file}");
+    }
+    assert_eq!((report.format, report.cells, report.cells_done), (REPORT_FORMAT, 36, 36));
+    assert_eq!((report.variants[0].lanes, report.variants[1].lanes, report.variants[1].threads), (16, 1, 1));
+    assert_eq!(report.same_images(), [["sixteen", "one"]]);
+    // The lamp is small and sampled: the slope of independent samples within five standard errors.
+    let slope = report.variants[0].relmse_by_samples.unwrap().exponent;
+    assert!((slope.value + 1.0).abs() < 5.0 * slope.standard_error + 0.02, "{slope:?}");
+    let csv = std::fs::read_to_string(scratch.path("out").join("errors.csv")).unwrap();
+    let columns: BTreeSet<usize> = csv.lines().map(|line| line.split(',').count()).collect();
+    assert_eq!((csv.lines().count(), columns.len()), (1 + 6, 1), "{csv}");
+    let html = std::fs::read_to_string(scratch.path("out").join("report.html")).unwrap();
+    assert!(html.contains("data:image/png;base64,") && html.contains("bit for bit"));
+}
+
+#[test]
+fn errors_are_those_that_compare_finds() {
+    let scratch = Scratch::new();
+    let reference = ["render", "scene.toml", "-o", "ref.exr", "--spp", "1", "--seed", "77", "--quiet"];
+    assert!(scratch.run(&reference).status.success());
+    let report = study(&scratch, "out", &["--reference", "ref.exr", "--spp", "8", "--seeds", "3"]);
+    // One sample has no variance layer.
+    assert_eq!(report.reference.noise_source, NoiseSource::Unknown);
+    let truth = read_exr(&scratch.path("ref.exr")).unwrap();
+    let row = &report.variants[0].rows[0];
+    let of_seed = |image: &str| {
+        let image = read_exr(&scratch.path("out").join(image)).unwrap();
+        compare(&image, &truth, ("a", "b")).unwrap()
+    };
+    let all: Vec<_> = row.seeds.iter().map(|seed| of_seed(&seed.image)).collect();
+    let mean = |value: fn(&octolux::report::metrics::Comparison) -> f64| all.iter().map(value).sum::<f64>() / 3.0;
+    assert!((row.mse.value - mean(|c| c.rmse * c.rmse)).abs() < 1e-12 * row.mse.value);
+    assert!((row.relmse.value - mean(|c| c.relmse)).abs() < 1e-12 * row.relmse.value);
+    // And the image is the one that `render` makes with that seed.
+    let seed = row.seeds[0].seed.to_string();
+    assert!(scratch.run(&["render", "scene.toml", "-o", "a.exr", "--spp", "8", "--seed", &seed]).status.success());
+    let alone = read_exr(&scratch.path("a.exr")).unwrap();
+    assert_eq!(alone.rgb(), read_exr(&scratch.path("out").join(&row.seeds[0].image)).unwrap().rgb());
+}
+
+#[test]
+fn a_made_reference_knows_its_noise() {
+    let scratch = Scratch::new();
+    let report = study(&scratch, "out", &["--spp", "16", "--seeds", "6", "--reference-spp", "64"]);
+    assert_eq!(report.reference.noise_source, NoiseSource::Replicates);
+    assert_eq!(report.reference.samples_per_pixel, Some(64));
+    let row = &report.variants[0].rows[0];
+    // A quarter of the variance at 16 samples; both are estimates with tails, hence the factor.
+    let ratio = row.variance.unwrap().value / report.reference.noise.mse;
+    assert!((2.0..8.0).contains(&ratio), "{ratio}");
+    // No bias: the estimate may be anything that its interval and the noise of the reference allow.
+    let bias = row.relative_bias_squared.unwrap();
+    assert!(bias.lo < 0.3 * report.reference.noise.relmse, "{bias:?}");
+}
+
+#[test]
+fn the_json_has_the_fields_of_its_version() {
+    let scratch = Scratch::new();
+    study(&scratch, "out", &["--spp", "1,2", "--seeds", "3", "--reference-spp", "8"]);
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(scratch.path("out").join("report.json")).unwrap()).unwrap();
+    let keys = |value: &serde_json::Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>().join(" ");
+    assert_eq!(REPORT_FORMAT, 1, "raise it with the lists below");
+    assert_eq!(
+        keys(&json),
+        "budgets cells cells_done command confidence first_seed format height kind machine reference scene seeds \
+         variants wall_seconds width"
+    );
+    assert_eq!(
+        keys(&json["variants"][0]),
+        "arguments lanes load_seconds name relmse_by_samples relmse_by_seconds rows setup_seconds targets threads"
+    );
+    assert_eq!(
+        keys(&json["variants"][0]["rows"][0]),
+        "bias_squared budget discarded_samples doubts largest_relative_share largest_share mae mse paths rays \
+         relative_bias_squared relative_variance relmse relmse_trusted rmse rmse_trusted samples_per_pixel seconds \
+         seeds time_to_unit_variance variance variant wall_seconds"
+    );
+    assert_eq!(keys(&json["variants"][0]["rows"][0]["relmse"]), "dof hi lo standard_error value");
+    assert_eq!(json["variants"][0]["rows"][0]["budget"]["samples"], 1);
+}
+
+#[test]
+fn a_resumed_study_has_the_figures_of_one_that_ran_through() {
+    let scratch = Scratch::new();
+    let whole = ["--spp", "1,4", "--seeds", "4", "--reference-spp", "16", "--variants", "a: ; b: --general"];
+    let through = study(&scratch, "through", &whole);
+    let part = ["--spp", "1,4", "--seeds", "2", "--reference-spp", "16", "--variants", "a: ; b: --general"];
+    let first = study(&scratch, "parts", &part);
+    let resumed = study(&scratch, "parts", &[&whole[..], &["--resume"]].concat());
+    assert_eq!(errors(&through), errors(&resumed));
+    assert_ne!(errors(&first), errors(&resumed));
+    // What was there was not rendered again: times are those of the first session.
+    let times = |report: &ConvergeReport| -> Vec<f64> {
+        let rows = report.variants.iter().flat_map(|v| &v.rows);
+        rows.flat_map(|row| row.seeds[..2].iter().map(|seed| seed.render_seconds)).collect()
+    };
+    assert_eq!(times(&first), times(&resumed));
+}
+
+#[test]
+fn seconds_become_one_sample_count_for_all_seeds() {
+    let scratch = Scratch::new();
+    let report = study(&scratch, "out", &["--times", "0.1,0.05", "--seeds", "3", "--reference-spp", "64"]);
+    assert_eq!(report.budgets, [Budget::Seconds(0.05), Budget::Seconds(0.1)]);
+    let rows = &report.variants[0].rows;
+    assert!(rows[1].samples_per_pixel > rows[0].samples_per_pixel);
+    assert_eq!(rows[1].paths, rows[1].samples_per_pixel * 24 * 16);
+    // Generous: other tests share the cores.
+    assert!((0.02..1.0).contains(&rows[1].seconds.value), "{:?}", rows[1].seconds);
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_keeps_finished_cells_and_resume_ends_the_study() {
+    let scratch = Scratch::new();
+    let arguments = ["converge", "scene.toml", "-o", "out", "--quiet", "--spp", "1,600", "--seeds", "12"];
+    let rest = ["--reference-spp", "16", "--", "--threads", "1", "--size", "48x32"];
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("octolux"))
+        .current_dir(scratch.folder.path())
+        .args(arguments)
+        .args(rest)
+        .spawn()
+        .unwrap();
+    let finished = || {
+        let text = std::fs::read_to_string(scratch.path("out/cells.json")).unwrap_or_default();
+        text.matches("render_seconds").count()
+    };
+    for _ in 0..3_000 {
+        if finished() >= 3 {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    nix::sys::signal::kill(nix::unistd::Pid::from_raw(child.id() as i32), nix::sys::signal::Signal::SIGINT).unwrap();
+    assert!(child.wait().unwrap().success());
+    let interrupted = report(&scratch, "out");
+    assert!((3..24).contains(&interrupted.cells_done), "{} cells", interrupted.cells_done);
+    let html = std::fs::read_to_string(scratch.path("out/report.html")).unwrap();
+    assert!(html.contains("Unfinished"));
+    let output = scratch.run(&[&arguments[..], &["--resume"], &rest[..]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_eq!(report(&scratch, "out").cells_done, 24);
+}
+
+#[test]
+fn what_cannot_be_studied_is_refused_in_one_line() {
+    let scratch = Scratch::new();
+    let refused = |arguments: &[&str], reason: &str| {
+        let output = scratch.run(&[&["converge", "scene.toml", "-o", "out", "--quiet"], arguments].concat());
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains(reason) && said.trim().lines().count() == 1, "{arguments:?}: {said}");
+    };
+    for flag in ["--spp 4", "--time 1", "--error 0.1", "--seed 3", "-o a.exr", "--png a.png", "--json a.json"] {
+        refused(&["--variants", &format!("a: {flag}")], "is not a variant's to say");
+    }
+    refused(&["--variants", "a: --lane 8"], "variant `a`: unexpected argument '--lane'");
+    refused(&["--variants", "a: --lanes 5"], "8 and 16 lanes");
+    refused(&["--variants", "a: --lanes 8; b: --lanes 8"], "same flags");
+    refused(&["--variants", "a: --lanes 8; a: --lanes 1"], "same name");
+    refused(&["--variants", "a: ; b: --size 8x8"], "only images of one size");
+    refused(&["--variants", "a: nowhere.toml"], "nowhere.toml");
+    refused(&["--reference", "nowhere.exr"], "nowhere.exr");
+    assert!(scratch.run(&["render", "scene.toml", "-o", "a.exr", "--spp", "1", "--size", "8x8"]).status.success());
+    refused(&["--reference", "a.exr", "--resume"], "8x8 pixels, but the scene renders 24x16");
+    std::fs::write(scratch.path("a.json"), "{\"relmse_floor\": \"none\"}").unwrap();
+    refused(&["--reference", "a.exr", "--resume", "--", "--size", "8x8"], "another image size");
+    let other = ["converge", "scene.toml", "-o", "new", "--quiet", "--reference", "a.exr", "--", "--size", "8x8"];
+    let said = text(&scratch.run(&other).stderr);
+    assert!(said.contains("a.json") && said.contains("relmse_floor"), "{said}");
+}
+
+#[test]
+fn a_folder_belongs_to_one_study() {
+    let scratch = Scratch::new();
+    let budget = ["--spp", "1", "--seeds", "1", "--reference-spp", "4"];
+    study(&scratch, "out", &budget);
+    let again = |more: &[&str]| {
+        let common = ["converge", "scene.toml", "-o", "out", "--quiet"];
+        let output = scratch.run(&[&common, &budget[..], more].concat());
+        (output.status.code(), text(&output.stderr))
+    };
+    let (code, said) = again(&[]);
+    assert!(code == Some(2) && said.contains("--resume"), "{said}");
+    let scene = std::fs::read_to_string(scratch.path("scene.toml")).unwrap();
+    std::fs::write(scratch.path("scene.toml"), scene.replace("vfov = 40", "vfov = 41")).unwrap();
+    let (code, said) = again(&["--resume"]);
+    assert!(code == Some(2) && said.contains("another state of the scene"), "{said}");
+}
