@@ -51,10 +51,17 @@ pub struct Force {
 pub struct Plan {
     pub geometry: GeometryMode,
     pub shading: Shading,
+    /// Is the Phong model kept, is the coated one? (Conductor and dielectric come with [`Shading::General`].)
+    pub phong: bool,
+    pub coated: bool,
     pub spheres: bool,
     pub shading_normals: bool,
     pub environment: bool,
     pub area_lights: bool,
+    /// Point, spot and directional lights.
+    pub delta_lights: bool,
+    /// Does the camera have a lens of some size?
+    pub lens: bool,
     /// Materials, emission and lights: absent in the views `normals`, `depth` and `hit`.
     pub light_transport: bool,
     pub decisions: Vec<Decision>,
@@ -85,13 +92,17 @@ impl Plan {
         decide("tree", geometry == GeometryMode::Tree, format!("{primitives} primitives, {order} {BRUTE_FORCE_LIMIT}"));
 
         let used = used_materials(scene);
-        let not_lambert = used.iter().filter(|&&m| !matches!(scene.materials[m].bsdf, Bsdf::Diffuse { .. })).count();
-        let general = light_transport && (not_lambert > 0 || force.general);
-        decide(
-            "conductor and dielectric",
-            general,
-            format!("{not_lambert} of {} used materials scatter so", used.len()),
-        );
+        let count = |is: fn(&Bsdf) -> bool| used.iter().filter(|&&m| is(&scene.materials[m].bsdf)).count();
+        let mut model = |what, is: fn(&Bsdf) -> bool| {
+            let wearing = count(is);
+            let why = format!("{wearing} of {} used materials scatter so", used.len());
+            decide(what, light_transport && (wearing > 0 || force.general), why)
+        };
+        let microfacets =
+            model("conductor and dielectric", |bsdf| matches!(bsdf, Bsdf::Conductor { .. } | Bsdf::Dielectric { .. }));
+        let phong = model("phong", |bsdf| matches!(bsdf, Bsdf::Phong { .. }));
+        let coated = model("coated", |bsdf| matches!(bsdf, Bsdf::Coated { .. }));
+        let general = microfacets || phong || coated;
 
         let sphere_count = scene.spheres.len();
         let spheres = decide("spheres", sphere_count > 0, format!("{sphere_count} spheres"));
@@ -110,10 +121,28 @@ impl Plan {
         let emitters = used.iter().filter(|&&m| scene.materials[m].emission.iter().any(|&e| e > 0.0)).count();
         let area_lights =
             decide("area lights", emitters > 0 && light_transport, format!("{emitters} used materials emit"));
+        let shining = scene.delta_lights.iter().filter(|l| l.strength().iter().any(|&c| c > 0.0)).count();
+        let why = format!("{shining} in the scene");
+        let delta_lights = decide("lights without extent", shining > 0 && light_transport, why);
+        let radius = scene.camera.lens_radius;
+        let lens = decide("lens", radius > 0.0, format!("its radius is {radius}"));
         decide("light transport", light_transport, format!("integrator {:?}", scene.integrator.kind).to_lowercase());
 
         let shading = if general { Shading::General } else { Shading::Lambert };
-        Plan { geometry, shading, spheres, shading_normals, environment, area_lights, light_transport, decisions }
+        Plan {
+            geometry,
+            shading,
+            phong,
+            coated,
+            spheres,
+            shading_normals,
+            environment,
+            area_lights,
+            delta_lights,
+            lens,
+            light_transport,
+            decisions,
+        }
     }
 
     /// The plan as a person reads it, one line a decision.

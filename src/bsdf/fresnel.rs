@@ -52,6 +52,21 @@ impl<R: Real> RelativeIor<R> {
     }
 }
 
+impl<R: Real> RelativeIor<R> {
+    /// 1 − F without its cancellation towards grazing angles: 2cg (1/(c + g)² + η²/(η²c + g)²).
+    #[inline(always)]
+    pub fn transmittance(&self, cos: R) -> R {
+        let d = self.eta2_minus_1;
+        let g = cos.mul_add(cos, d).safe_sqrt();
+        let inv_s = (cos + g).max_or(R::splat(TINY)).recip();
+        let inv_p = d.mul_add(cos, cos + g).max_or(R::splat(TINY)).recip();
+        // As (2c/(c + g))·(g/(c + g)): both factors stay in range.
+        let s = (cos * inv_s) * (g * inv_s);
+        let p = (cos * inv_p) * (g * inv_p) * (d + R::one());
+        (R::splat(2.0) * (s + p)).min_or(R::one())
+    }
+}
+
 /// A metal of complex index eta + ik, in real arithmetic. Domain: eta, k ≥ 0, not both 0, below 1e9.
 ///
 /// With (a + ib)² = (eta + ik)² − sin², the amplitudes' squares are ((a − c)² + b²)/((a + c)² + b²) and that times

@@ -1,21 +1,25 @@
 //! How surfaces scatter: one model a file, over lanes.
 //!
 //! Directions are unit vectors that point away from the surface, in a local frame whose z axis is the normal: `wo`
-//! towards the viewer, `wi` towards where the light comes from. Conductors and diffuse surfaces are two-sided (the
-//! frame is mirrored where `wo` is below); a dielectric reads from the sign of `wo.z` whether `wo` is outside (> 0).
+//! towards the viewer, `wi` towards where the light comes from. All but dielectrics are two-sided (the frame is mirrored
+//! where `wo` is below); a dielectric reads from the sign of `wo.z` whether `wo` is outside (> 0).
 //!
 //! Where a model divides by a cosine on paper, the quotient is written in cancelled form here: everything stays
 //! finite at grazing angles and for every `alpha` down to [`ALPHA_MIN`].
 
+mod coated;
 mod conductor;
 mod dielectric;
 mod diffuse;
 pub mod fresnel;
 pub mod ggx;
+mod phong;
 
+pub use coated::Coated;
 pub use conductor::{Conductor, ConductorFresnel};
 pub use dielectric::{Dielectric, LOBE_MIN};
 pub use diffuse::Diffuse;
+pub use phong::{EXPONENT_MAX, Phong};
 
 use crate::lane::{Bits, Real, Vec3};
 

@@ -1,7 +1,8 @@
-//! The pinhole camera in lanes.
+//! The thin-lens camera in lanes.
 
 use crate::geometry::Ray;
 use crate::lane::{Real, Vec3};
+use crate::sampling::warp;
 use crate::scene::{self, FilmSize};
 
 /// A camera ready for the kernel, in rescaled units.
@@ -14,6 +15,9 @@ pub struct Camera {
     right: [f32; 3],
     /// From the centre of the film to its top edge, at unit distance.
     up: [f32; 3],
+    /// From the centre of the lens to its right and top edges; zero for a pinhole.
+    lens: [[f32; 3]; 2],
+    focus_distance: f32,
     /// 2 / film size in pixels.
     pixel: [f32; 2],
 }
@@ -33,17 +37,35 @@ impl Camera {
             forward: f(forward),
             right: f(right * half_width),
             up: f(up * half_height),
+            lens: [right, up].map(|axis| f(axis * (camera.lens_radius as f64 * scale as f64))),
+            focus_distance: camera.focus_distance * scale,
             pixel: [2.0 / film.width as f32, 2.0 / film.height as f32],
         }
     }
 
-    /// Rays through film positions in pixels from the top left corner. Directions are unit.
+    /// Rays through film positions in pixels from the top left corner and the centre of the lens. Directions are unit.
     #[inline(always)]
     pub fn ray<R: Real>(&self, x: R, y: R) -> Ray<R> {
+        let direction = self.through(x, y).normalize();
+        Ray { origin: Vec3::splat(self.position), direction, t_max: R::splat(f32::INFINITY) }
+    }
+
+    /// The same from a point of the lens, uniform for uniform `u`: all rays of a film position meet in the plane of focus.
+    #[inline(never)]
+    pub fn lens_ray<R: Real>(&self, x: R, y: R, u: [R; 2]) -> Ray<R> {
+        let [lens_x, lens_y] = warp::uniform_disk(u);
+        let [right, up] = self.lens.map(Vec3::splat);
+        let off_axis = right.mul_add(lens_x, up * lens_y);
+        let to_focus = self.through(x, y).mul_add(R::splat(self.focus_distance), -off_axis);
+        let origin = Vec3::splat(self.position) + off_axis;
+        Ray { origin, direction: to_focus.normalize(), t_max: R::splat(f32::INFINITY) }
+    }
+
+    /// Through a film position, reaching 1 along the viewing direction.
+    #[inline(always)]
+    fn through<R: Real>(&self, x: R, y: R) -> Vec3<R> {
         let sx = x.mul_add(R::splat(self.pixel[0]), R::splat(-1.0));
         let sy = y.neg_mul_add(R::splat(self.pixel[1]), R::one());
-        let direction =
-            Vec3::splat(self.right).mul_add(sx, Vec3::splat(self.up).mul_add(sy, Vec3::splat(self.forward)));
-        Ray { origin: Vec3::splat(self.position), direction: direction.normalize(), t_max: R::splat(f32::INFINITY) }
+        Vec3::splat(self.right).mul_add(sx, Vec3::splat(self.up).mul_add(sy, Vec3::splat(self.forward)))
     }
 }

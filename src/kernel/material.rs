@@ -1,14 +1,16 @@
 //! Materials in lanes: one row a material, fetched by the lanes that hit it; the models evaluated where they occur.
 
-use crate::bsdf::{ALPHA_MIN, Conductor, ConductorFresnel, Dielectric, Diffuse, Eval, Model, Sample};
+use crate::bsdf::{ALPHA_MIN, Coated, Conductor, ConductorFresnel, Dielectric, Diffuse, Eval, Model, Phong, Sample};
 use crate::geometry::Rows;
 use crate::lane::{Mask, Real, Vec3};
-use crate::plan::Shading;
+use crate::plan::{Plan, Shading};
 use crate::scene::{self, Bsdf, Masking, Material};
 
 const KIND_DIFFUSE: f32 = 0.0;
 const KIND_CONDUCTOR: f32 = 1.0;
 const KIND_DIELECTRIC: f32 = 2.0;
+const KIND_PHONG: f32 = 3.0;
+const KIND_COATED: f32 = 4.0;
 
 /// How [`ConductorFresnel`] is told apart in a row.
 const FRESNEL_EXACT: f32 = 0.0;
@@ -23,13 +25,13 @@ pub struct MaterialTable {
 /// The materials at a packet's hits.
 pub struct MaterialAt<R: Real> {
     kind: R,
-    /// Reflectance, η or f0.
+    /// Reflectance, kd, η or f0.
     a: Vec3<R>,
-    /// k.
+    /// k or ks.
     b: Vec3<R>,
     alpha: R,
     separable: R::Mask,
-    /// [`FRESNEL_EXACT`] … of conductors, index of refraction of dielectrics.
+    /// [`FRESNEL_EXACT`] … of conductors, index of refraction of dielectrics and coats, exponent of Phong.
     c: R,
     /// Radiance from the front.
     pub emission: Vec3<R>,
@@ -77,6 +79,11 @@ fn row(material: &Material) -> [f32; 16] {
         Bsdf::Dielectric { alpha, masking, ior } => {
             glossy(alpha, masking);
             (KIND_DIELECTRIC, [1.0; 3], [0.0; 3], ior)
+        }
+        Bsdf::Phong { diffuse, specular, exponent } => (KIND_PHONG, diffuse, specular, exponent),
+        Bsdf::Coated { reflectance, alpha, masking, ior } => {
+            glossy(alpha, masking);
+            (KIND_COATED, reflectance, [0.0; 3], ior)
         }
     };
     row[0] = kind;
@@ -127,9 +134,19 @@ impl<R: Real> MaterialAt<R> {
         Dielectric { alpha: self.alpha, separable: self.separable, ior: self.c }
     }
 
+    #[inline(always)]
+    fn phong(&self) -> Phong<R> {
+        Phong { diffuse: self.a, specular: self.b, exponent: self.c }
+    }
+
+    #[inline(always)]
+    fn coated(&self) -> Coated<R> {
+        Coated { reflectance: self.a, alpha: self.alpha, separable: self.separable, ior: self.c }
+    }
+
     /// f·|cosθi| and pdf, directions in the shading frame.
     #[inline(always)]
-    pub fn eval<S: ShadingKind>(&self, wo: Vec3<R>, wi: Vec3<R>, active: R::Mask) -> Eval<R> {
+    pub fn eval<S: ShadingKind>(&self, plan: &Plan, wo: Vec3<R>, wi: Vec3<R>, active: R::Mask) -> Eval<R> {
         let mut eval = self.diffuse().eval(wo, wi);
         if S::SHADING == Shading::General {
             let conductor = self.is(KIND_CONDUCTOR);
@@ -140,13 +157,21 @@ impl<R: Real> MaterialAt<R> {
             if (dielectric & active).any() {
                 eval = select_eval(dielectric, eval_out_of_line(&self.dielectric(), wo, wi), eval);
             }
+            let phong = self.is(KIND_PHONG);
+            if plan.phong && (phong & active).any() {
+                eval = select_eval(phong, eval_out_of_line(&self.phong(), wo, wi), eval);
+            }
+            let coated = self.is(KIND_COATED);
+            if plan.coated && (coated & active).any() {
+                eval = select_eval(coated, eval_out_of_line(&self.coated(), wo, wi), eval);
+            }
         }
         eval
     }
 
     /// A direction with weight f·|cosθi|/pdf, directions in the shading frame.
     #[inline(always)]
-    pub fn sample<S: ShadingKind>(&self, wo: Vec3<R>, u_lobe: R, u: [R; 2], active: R::Mask) -> Sample<R> {
+    pub fn sample<S: ShadingKind>(&self, plan: &Plan, wo: Vec3<R>, u_lobe: R, u: [R; 2], active: R::Mask) -> Sample<R> {
         let mut sample = self.diffuse().sample(wo, u_lobe, u);
         if S::SHADING == Shading::General {
             let conductor = self.is(KIND_CONDUCTOR);
@@ -157,6 +182,14 @@ impl<R: Real> MaterialAt<R> {
             if (dielectric & active).any() {
                 sample = select_sample(dielectric, sample_out_of_line(&self.dielectric(), wo, u_lobe, u), sample);
             }
+            let phong = self.is(KIND_PHONG);
+            if plan.phong && (phong & active).any() {
+                sample = select_sample(phong, sample_out_of_line(&self.phong(), wo, u_lobe, u), sample);
+            }
+            let coated = self.is(KIND_COATED);
+            if plan.coated && (coated & active).any() {
+                sample = select_sample(coated, sample_out_of_line(&self.coated(), wo, u_lobe, u), sample);
+            }
         }
         sample
     }
@@ -166,19 +199,24 @@ impl<R: Real> MaterialAt<R> {
     pub fn is_delta<S: ShadingKind>(&self) -> R::Mask {
         match S::SHADING {
             Shading::Lambert => R::Mask::splat(false),
-            Shading::General => !self.is(KIND_DIFFUSE) & self.alpha.lt(R::splat(ALPHA_MIN)),
+            Shading::General => {
+                let one_lobe = self.is(KIND_CONDUCTOR) | self.is(KIND_DIELECTRIC);
+                one_lobe & self.alpha.lt(R::splat(ALPHA_MIN))
+            }
         }
     }
 
-    /// Reflectance as the feature image shows it: ρ of Lambert, F at normal incidence of a conductor, 1 of glass.
+    /// Reflectance as the feature image shows it: ρ of Lambert and below a coat, kd + ks of Phong, F at normal incidence
+    /// of a conductor, 1 of glass.
     #[inline(always)]
     pub fn albedo(&self) -> Vec3<R> {
         let normal_incidence = self.conductor().fresnel.reflectance(R::one());
-        Vec3::select(self.is(KIND_CONDUCTOR), normal_incidence, self.a)
+        let reflectance = self.a + self.b.masked(self.is(KIND_PHONG));
+        Vec3::select(self.is(KIND_CONDUCTOR), normal_incidence, reflectance)
     }
 }
 
-/// The microfacet models are long and rare beside Lambert: one copy a width, called, instead of one in every kernel.
+/// The models beyond Lambert are long and rare beside Lambert: one copy a width, called, instead of one in every kernel.
 #[inline(never)]
 fn eval_out_of_line<R: Real, B: Model<R>>(bsdf: &B, wo: Vec3<R>, wi: Vec3<R>) -> Eval<R> {
     bsdf.eval(wo, wi)

@@ -140,7 +140,7 @@ fn bounce<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     if world.lights.is_some() && scatters.any() {
         add_direct_light::<R, T, S, P>(world, paths, &surface, &frame, wo, &u, scatters, counters, probe);
     }
-    scatter::<R, S, P>(paths, &surface, &frame, wo, &u, scatters, probe);
+    scatter::<R, S, P>(world, paths, &surface, &frame, wo, &u, scatters, probe);
     roulette(paths, u[ROULETTE], probe);
     let dead = alive & !paths.alive;
     if dead.any() {
@@ -232,8 +232,12 @@ fn add_direct_light<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     let wi = frame.to_local(light.wi);
     let pdf = probe.tap(Stage::LightPdf, paths.lanes(lit), light.pdf);
     let lit = lit & pdf.gt(R::zero()) & same_side(wi.z, surface.ng.dot(light.wi));
-    let eval = surface.material.eval::<S>(wo, wi, lit);
-    let weight = mis_weight(pdf, eval.pdf) / pdf;
+    let eval = surface.material.eval::<S>(&world.plan, wo, wi, lit);
+    let mut weight = mis_weight(pdf, eval.pdf) / pdf;
+    if world.plan.delta_lights {
+        // Nothing else finds a light without extent.
+        weight = R::select(light.is_delta(), pdf.recip(), weight);
+    }
     let contribution = paths.beta.hadamard(eval.value).hadamard(light.radiance) * weight;
     let contribution = probe.tap_rgb(Stage::LightContribution, paths.lanes(lit), contribution);
     let carries = lit & contribution.max_component().gt(R::zero());
@@ -261,7 +265,9 @@ fn light_ray<R: Real>(surface: &Surface<R>, light: &LightSample<R>) -> Ray<R> {
 
 /// Samples the material and sends the path on, or ends it.
 #[inline(always)]
+#[allow(clippy::too_many_arguments)]
 fn scatter<R: Real, S: ShadingKind, P: Probe>(
+    world: &World,
     paths: &mut Paths<R>,
     surface: &Surface<R>,
     frame: &Frame<R>,
@@ -270,7 +276,8 @@ fn scatter<R: Real, S: ShadingKind, P: Probe>(
     scatters: R::Mask,
     probe: &mut P,
 ) {
-    let sample = surface.material.sample::<S>(wo, u[BSDF_LOBE], [u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]], scatters);
+    let u_direction = [u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]];
+    let sample = surface.material.sample::<S>(&world.plan, wo, u[BSDF_LOBE], u_direction, scatters);
     let direction = frame.to_world(sample.wi);
     let goes_on = scatters & sample.valid & same_side(sample.wi.z, surface.ng.dot(direction));
     let lanes = paths.lanes(goes_on);

@@ -6,7 +6,7 @@ use crate::accel::Mode;
 use crate::film::AovSample;
 use crate::geometry::{Hit, Ray};
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
-use crate::sampling::dimensions::PIXEL;
+use crate::sampling::dimensions::{LENS, PIXEL};
 use crate::sampling::{Xoshiro, sample_key};
 
 /// Pixels and samples to render together.
@@ -136,6 +136,8 @@ pub struct CameraPacket<R: Real> {
     pub rng: Xoshiro<R>,
     pub slot: R::Bits,
     pub active: R::Mask,
+    /// Do the origins differ?
+    lens: bool,
 }
 
 impl<'a, R: Real> CameraQueue<'a, R> {
@@ -198,9 +200,12 @@ impl<'a, R: Real> CameraQueue<'a, R> {
             return None;
         }
         let u = rng.camera_dims();
-        let ray = self.world.camera.ray(x + u[PIXEL], y + u[PIXEL + 1]);
+        let (x, y) = (x + u[PIXEL], y + u[PIXEL + 1]);
+        let lens = self.world.plan.lens;
+        let camera = &self.world.camera;
+        let ray = if lens { camera.lens_ray(x, y, [u[LENS], u[LENS + 1]]) } else { camera.ray(x, y) };
         let hit = if trace { self.world.closest::<R, M>(&ray, active) } else { Hit::miss(ray.t_max) };
-        Some(CameraPacket { ray, hit, rng, slot, active })
+        Some(CameraPacket { ray, hit, rng, slot, active, lens })
     }
 }
 
@@ -212,8 +217,13 @@ impl<R: Real> CameraPacket<R> {
         let put_bits =
             |to: &mut R::Bits, v: R::Bits| *to = R::Bits::select(mask, R::from_bits(v).permute(from).to_bits(), *to);
         let put_all = |to: &mut Vec3<R>, value: Vec3<R>| *to = Vec3::select(mask, value, *to);
-        let direction = &self.ray.direction;
-        put_all(&mut paths.ray.origin, self.ray.origin);
+        let Ray { origin, direction, .. } = &self.ray;
+        if self.lens {
+            let moved = Vec3::new(origin.x.permute(from), origin.y.permute(from), origin.z.permute(from));
+            put_all(&mut paths.ray.origin, moved);
+        } else {
+            put_all(&mut paths.ray.origin, *origin);
+        }
         put(&mut paths.ray.direction.x, direction.x.permute(from));
         put(&mut paths.ray.direction.y, direction.y.permute(from));
         put(&mut paths.ray.direction.z, direction.z.permute(from));

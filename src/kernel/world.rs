@@ -5,9 +5,9 @@ use super::material::MaterialTable;
 use crate::accel::{Accel, BuildOptions, BuildReport, Mode, Preset};
 use crate::geometry::{Hit, Ray, Rows, SphereAt, SphereRows, TriangleRows};
 use crate::lane::{Bits, Real, Vec3, float_mode};
-use crate::light::{Emitter, EmitterShape, LightError, LightSample, Lights};
+use crate::light::{Emitter, EmitterShape, Extent, LightError, LightSample, Lights};
 use crate::plan::{GeometryMode, Plan};
-use crate::scene::{FilmSize, Integrator, NO_NORMAL, Scene};
+use crate::scene::{DeltaLight, FilmSize, Integrator, NO_NORMAL, Scene};
 use std::time::Instant;
 
 /// Everything a kernel needs to render a scene.
@@ -57,7 +57,7 @@ impl World {
     /// Builds what the plan keeps.
     ///
     /// # Errors
-    /// The lights cannot be tabulated (their power is not finite).
+    /// The lights cannot be tabulated: there are too many, or an intensity is out of range at the kernel's scale.
     pub fn new(scene: &Scene, plan: Plan, options: Prepare) -> Result<World, LightError> {
         let start = Instant::now();
         if !float_mode::is_default() {
@@ -79,7 +79,7 @@ impl World {
 
         let start = Instant::now();
         let triangles = TriangleRows::new(&positions, &scene.mesh.triangles);
-        let lights = if plan.light_transport { build_lights(scene, &plan, &positions, &spheres)? } else { None };
+        let lights = if plan.light_transport { build_lights(scene, &plan, scale, &positions, &spheres)? } else { None };
         let tags = if plan.light_transport { tag_rows(scene, lights.as_ref()) } else { Rows::new(&[]) };
         let normals = Rows::new(&if plan.shading_normals { normal_rows(scene) } else { Vec::new() });
         let materials = MaterialTable::new(if plan.light_transport { &scene.materials } else { &[] });
@@ -142,11 +142,12 @@ fn max_bounces(integrator: &Integrator) -> f32 {
     }
 }
 
-/// The power of two that brings the largest coordinate of scene and camera into [1, 2) (invariant 10).
+/// The power of two that brings the largest coordinate of scene, lights and camera into [1, 2) (invariant 10).
 fn power_of_two_scale(scene: &Scene) -> f32 {
     let vertices = scene.mesh.positions.iter().flatten().copied();
     let spheres = scene.spheres.iter().flat_map(|s| s.center.map(|c| c.abs() + s.radius));
-    let largest = vertices.chain(spheres).chain(scene.camera.position).fold(0f32, |m, x| m.max(x.abs()));
+    let lights = scene.delta_lights.iter().filter_map(DeltaLight::position).flatten();
+    let largest = vertices.chain(spheres).chain(lights).chain(scene.camera.position).fold(0f32, |m, x| m.max(x.abs()));
     if largest == 0.0 {
         return 1.0;
     }
@@ -158,6 +159,7 @@ fn power_of_two_scale(scene: &Scene) -> f32 {
 fn build_lights(
     scene: &Scene,
     plan: &Plan,
+    scale: f32,
     positions: &[[f32; 3]],
     spheres: &[([f32; 3], f32)],
 ) -> Result<Option<Lights>, LightError> {
@@ -179,8 +181,20 @@ fn build_lights(
         }
     }
     let environment = scene.environment.as_ref().filter(|_| plan.environment);
-    let lights = Lights::build(emitters, environment)?;
+    let delta = if plan.delta_lights { &scene.delta_lights[..] } else { &[] };
+    let lights = Lights::with_delta(emitters, environment, delta, extent(scale, positions, spheres))?;
     Ok(Some(lights).filter(|lights| !lights.is_empty()))
+}
+
+/// Of the primitives.
+fn extent(scale: f32, positions: &[[f32; 3]], spheres: &[([f32; 3], f32)]) -> Extent {
+    let (mut low, mut high) = (glam::Vec3::INFINITY, glam::Vec3::NEG_INFINITY);
+    let points = positions.iter().map(|&p| (p, 0.0)).chain(spheres.iter().copied());
+    for (p, r) in points {
+        (low, high) = (low.min(glam::Vec3::from(p) - r), high.max(glam::Vec3::from(p) + r));
+    }
+    let diagonal = (high.as_dvec3() - low.as_dvec3()).length();
+    Extent { scale, radius: if diagonal.is_finite() { 0.5 * diagonal } else { 0.0 } }
 }
 
 /// Primitive by primitive: triangles, then spheres.

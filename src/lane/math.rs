@@ -143,3 +143,20 @@ pub fn ln<R: Real>(x: R) -> R {
     // x ≥ 0 is false for a NaN too.
     R::select(x.ge(R::zero()), result, R::splat(f32::NAN))
 }
+
+/// ln(1 + x): ≤ 4 ulp for x in (−1, 1), also where 1 + x rounds to 1; −1 → −∞, below it NaN (Kahan; Higham 2002, § 1.14.1).
+#[inline(always)]
+pub fn ln_1p<R: Real>(x: R) -> R {
+    let sum = R::one() + x;
+    let rounded = sum - R::one();
+    // What ln gains by the rounding of the sum, the quotient takes back.
+    R::select(rounded.eq(R::zero()), x, ln(sum) * (x / rounded))
+}
+
+/// e^x − 1: ≤ 4 ulp for x in [−16, 1], also where e^x rounds to 1 (Kahan; Higham 2002, § 1.14.1).
+#[inline(always)]
+pub fn exp_m1<R: Real>(x: R) -> R {
+    let power = exp(x);
+    let rounded = power - R::one();
+    R::select(rounded.eq(R::zero()), x, rounded * (x / ln(power)))
+}

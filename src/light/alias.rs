@@ -19,6 +19,41 @@ pub struct Slot {
     alias: u32,
 }
 
+/// A table with what it takes to choose by it; nothing where there is nothing to choose.
+pub(super) struct Table(Vec<Slot>);
+
+impl Table {
+    /// In proportion to `weights` (finite, ≥ 0, of any range), with the probabilities it yields.
+    pub(super) fn build(weights: &[f64]) -> (Self, Vec<f64>) {
+        if weights.len() == 1 {
+            return (Self(Vec::new()), vec![1.0]);
+        }
+        // Relative to the strongest, because powers may leave the range of f32 where their ratios do not.
+        let strongest = weights.iter().copied().fold(0.0, f64::max);
+        let relative: Vec<f32> = weights.iter().map(|w| (w / strongest) as f32).collect();
+        let mut table = vec![Slot::default(); relative.len()];
+        let mut probability = vec![0.0; relative.len()];
+        Builder::default().fill(&relative, &mut table, GRID);
+        probabilities(&table, &mut probability);
+        (Self(table), probability)
+    }
+
+    pub(super) fn memory(&self) -> usize {
+        size_of_val(&*self.0)
+    }
+
+    /// The entry that `u_choice` leads to, its bits extended from `u`.
+    #[inline(always)]
+    pub(super) fn choose<R: Real>(&self, u_choice: R, u: [R; 2]) -> R::Bits {
+        if self.0.is_empty() {
+            return R::Bits::splat(0);
+        }
+        let [fine, keep] = fresh(u_choice, u[0], u[1]);
+        let (place, _) = place(self.0.len(), u_choice, fine);
+        resolve(place, keep, |i| self.0[place.lane(i) as usize])
+    }
+}
+
 /// Room for building tables one after the other without allocating anew.
 #[derive(Default)]
 pub struct Builder {

@@ -1,6 +1,6 @@
 //! The emitting primitives: one row each, chosen by power.
 
-use super::alias::{self, Builder, Slot};
+use super::alias::{MAX_ENTRIES, Table};
 use super::sample::LightPoint;
 use super::sphere::{self, sphere_pdf};
 use super::triangle::{self, Triangle, triangle_pdf};
@@ -29,8 +29,7 @@ pub(super) struct AreaLights {
     /// The primitive of each row.
     primitives: Vec<u32>,
     first_sphere: usize,
-    /// Empty where there is nothing to choose.
-    table: Vec<Slot>,
+    table: Table,
 }
 
 impl AreaLights {
@@ -40,12 +39,13 @@ impl AreaLights {
         if emitters.is_empty() {
             return Ok(None);
         }
-        if emitters.len() > alias::MAX_ENTRIES {
-            return Err(LightError::TooMany { count: emitters.len(), most: alias::MAX_ENTRIES });
+        if emitters.len() > MAX_ENTRIES {
+            return Err(LightError::TooMany { count: emitters.len(), most: MAX_ENTRIES });
         }
         emitters.sort_by_key(|e| (e.is_sphere(), e.primitive));
         let first_sphere = emitters.partition_point(|e| !e.is_sphere());
-        let (table, probability) = choice_table(&emitters);
+        let powers: Vec<f64> = emitters.iter().map(Emitter::power).collect();
+        let (table, probability) = Table::build(&powers);
         let rows = emitters.iter().zip(&probability).map(|(e, p)| row(e, p * share)).collect();
         let primitives = emitters.iter().map(|e| e.primitive).collect();
         Ok(Some(Self { rows, primitives, first_sphere, table }))
@@ -56,13 +56,13 @@ impl AreaLights {
     }
 
     pub(super) fn memory(&self) -> usize {
-        size_of_val(&*self.rows) + size_of_val(&*self.primitives) + size_of_val(&*self.table)
+        size_of_val(&*self.rows) + size_of_val(&*self.primitives) + self.table.memory()
     }
 
     /// A point on a light chosen by `u_choice`, as seen from `origin`, with its radiance and primitive.
     #[inline(always)]
     pub(super) fn sample<R: Real>(&self, origin: Vec3<R>, u_choice: R, u: [R; 2]) -> (LightPoint<R>, Vec3<R>, R::Bits) {
-        let index = self.choose::<R>(u_choice, u);
+        let index = self.table.choose(u_choice, u);
         let rows = LaneRows::<R>::of(&self.rows, index);
         let point = if self.first_sphere == self.rows.len() {
             rows.sample_triangle(origin, u)
@@ -74,16 +74,6 @@ impl AreaLights {
         };
         let primitive = R::Bits::from_fn(|i| self.primitives[index.lane(i) as usize]);
         (point, rows.vector(RADIANCE), primitive)
-    }
-
-    #[inline(always)]
-    fn choose<R: Real>(&self, u_choice: R, u: [R; 2]) -> R::Bits {
-        if self.table.is_empty() {
-            return R::Bits::splat(0);
-        }
-        let [fine, keep] = alias::fresh(u_choice, u[0], u[1]);
-        let (place, _) = alias::place(self.table.len(), u_choice, fine);
-        alias::resolve(place, keep, |i| self.table[place.lane(i) as usize])
     }
 
     /// See [`Lights::emitter_pdf_row`](super::Lights::emitter_pdf_row).
@@ -141,21 +131,6 @@ impl<R: Real> LaneRows<R> {
     fn sample_sphere(&self, origin: Vec3<R>, u: [R; 2]) -> LightPoint<R> {
         sphere::sample(self.vector(CENTER), self.field(RADIUS), self.field(PDF_ROW), origin, u)
     }
-}
-
-/// The table (none for a single light) and the probabilities with which it yields each emitter.
-fn choice_table(emitters: &[Emitter]) -> (Vec<Slot>, Vec<f64>) {
-    if emitters.len() == 1 {
-        return (Vec::new(), vec![1.0]);
-    }
-    // Relative to the strongest, because powers may leave the range of f32 where their ratios do not.
-    let strongest = emitters.iter().map(Emitter::power).fold(0.0, f64::max);
-    let weights: Vec<f32> = emitters.iter().map(|e| (e.power() / strongest) as f32).collect();
-    let mut table = vec![Slot::default(); weights.len()];
-    let mut probability = vec![0.0; weights.len()];
-    Builder::default().fill(&weights, &mut table, alias::GRID);
-    alias::probabilities(&table, &mut probability);
-    (table, probability)
 }
 
 fn row(emitter: &Emitter, probability: f64) -> Row {

@@ -11,6 +11,33 @@ pub enum EnvironmentMap {
     /// The same radiance from everywhere: sampled uniformly over the sphere, nothing tabulated.
     Constant([f32; 3]),
     Image(ImageMap),
+    /// An image, turned about +y.
+    Turned(ImageMap, Turn),
+}
+
+/// A rotation about +y, counter-clockwise seen from above.
+#[derive(Clone, Copy)]
+pub struct Turn {
+    sin: f32,
+    cos: f32,
+}
+
+impl Turn {
+    fn new(degrees: f32) -> Self {
+        let (sin, cos) = (f64::from(degrees) % 360.0).to_radians().sin_cos();
+        Self { sin: sin as f32, cos: cos as f32 }
+    }
+
+    #[inline(always)]
+    fn apply<R: Real>(self, d: Vec3<R>) -> Vec3<R> {
+        let (sin, cos) = (R::splat(self.sin), R::splat(self.cos));
+        Vec3::new(d.x.mul_add(cos, d.z * sin), d.y, d.x.neg_mul_add(sin, d.z * cos))
+    }
+
+    #[inline(always)]
+    fn inverse(self) -> Self {
+        Self { sin: -self.sin, ..self }
+    }
 }
 
 impl EnvironmentMap {
@@ -18,7 +45,8 @@ impl EnvironmentMap {
     pub fn build(environment: &Environment) -> Option<Self> {
         match environment {
             Environment::Constant(radiance) => radiance.iter().any(|&c| c > 0.0).then_some(Self::Constant(*radiance)),
-            Environment::Image(image) => ImageMap::build(image).map(Self::Image),
+            Environment::Image(image) if image.rotation % 360.0 == 0.0 => ImageMap::build(image).map(Self::Image),
+            Environment::Image(image) => ImageMap::build(image).map(|map| Self::Turned(map, Turn::new(image.rotation))),
         }
     }
 
@@ -28,6 +56,7 @@ impl EnvironmentMap {
         match self {
             Self::Constant(radiance) => Vec3::splat(*radiance),
             Self::Image(map) => map.radiance(d),
+            Self::Turned(map, turn) => map.radiance(turn.inverse().apply(d)),
         }
     }
 
@@ -37,6 +66,7 @@ impl EnvironmentMap {
         match self {
             Self::Constant(radiance) => (Vec3::splat(*radiance), warp::uniform_sphere_pdf()),
             Self::Image(map) => map.radiance_and_pdf(d),
+            Self::Turned(map, turn) => map.radiance_and_pdf(turn.inverse().apply(d)),
         }
     }
 
@@ -46,6 +76,10 @@ impl EnvironmentMap {
         match self {
             Self::Constant(radiance) => (warp::uniform_sphere(u), Vec3::splat(*radiance), warp::uniform_sphere_pdf()),
             Self::Image(map) => map.sample(u_choice, u),
+            Self::Turned(map, turn) => {
+                let (d, radiance, pdf) = map.sample(u_choice, u);
+                (turn.apply(d), radiance, pdf)
+            }
         }
     }
 
@@ -53,7 +87,7 @@ impl EnvironmentMap {
     pub fn memory(&self) -> usize {
         match self {
             Self::Constant(_) => 0,
-            Self::Image(map) => map.memory(),
+            Self::Image(map) | Self::Turned(map, _) => map.memory(),
         }
     }
 }

@@ -1,21 +1,29 @@
 //! All lights of a scene: the choice between them, and their common density.
 
 use super::area::AreaLights;
+use super::delta::{DeltaLights, Extent};
 use super::sample::LightSample;
 use super::{Emitter, EnvironmentMap, LightError};
 use crate::lane::{Mask, Real, Vec3};
 use crate::sampling::rescale;
-use crate::scene::Environment;
+use crate::scene::{DeltaLight, Environment};
 
-/// How often the environment is sampled where there are area lights too. Fixed, because its power reaching a point
+/// How often the environment is sampled where there are other lights too. Fixed, because its power reaching a point
 /// depends on what hides it, which nothing known at load tells; with multiple importance sampling the worst case is a
 /// factor of 2 in the light samples' variance.
 pub const ENVIRONMENT_PROBABILITY: f32 = 0.5;
+
+/// The least part of the draws that lights without extent get beside area lights, and these beside them. In between, both
+/// get theirs by power.
+const LEAST_SHARE: f64 = 1.0 / 64.0;
 
 /// Everything in a scene that emits and can be sampled.
 pub struct Lights {
     area: Option<AreaLights>,
     environment: Option<EnvironmentMap>,
+    delta: Option<DeltaLights>,
+    /// A multiple of 2⁻²⁴, as the number it is compared with.
+    delta_probability: f32,
     /// 0, 1, or [`ENVIRONMENT_PROBABILITY`].
     environment_probability: f32,
 }
@@ -23,26 +31,51 @@ pub struct Lights {
 impl Lights {
     /// Emitters without area or radiance are dropped, as is a black environment.
     pub fn build(emitters: Vec<Emitter>, environment: Option<&Environment>) -> Result<Self, LightError> {
+        Self::with_delta(emitters, environment, &[], Extent { scale: 1.0, radius: 1.0 })
+    }
+
+    /// The same, with lights without extent.
+    pub fn with_delta(
+        emitters: Vec<Emitter>,
+        environment: Option<&Environment>,
+        delta: &[DeltaLight],
+        extent: Extent,
+    ) -> Result<Self, LightError> {
         let environment = environment.and_then(EnvironmentMap::build);
-        let has_density = environment.is_some();
-        let any_area = emitters.iter().any(|e| e.power() > 0.0);
-        let environment_probability = match (has_density, any_area) {
+        let delta = DeltaLights::build(delta, extent)?;
+        let area_power: f64 = emitters.iter().map(Emitter::power).filter(|&power| power > 0.0).sum();
+        let delta_power = delta.as_ref().map_or(0.0, DeltaLights::power);
+        let environment_probability = match (environment.is_some(), area_power > 0.0 || delta.is_some()) {
             (false, _) => 0.0,
             (true, false) => 1.0,
             (true, true) => ENVIRONMENT_PROBABILITY,
         };
-        let area = AreaLights::build(emitters, 1.0 - f64::from(environment_probability))?;
-        Ok(Self { area, environment, environment_probability })
+        let others = 1.0 - f64::from(environment_probability);
+        let delta_share = match (delta.is_some(), area_power > 0.0) {
+            (false, _) => 0.0,
+            (true, false) => 1.0,
+            (true, true) => (delta_power / (delta_power + area_power)).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE),
+        };
+        let grid = f64::from(1u32 << 24);
+        let delta_probability = (others * delta_share * grid).round() / grid;
+        let area = AreaLights::build(emitters, others - delta_probability)?;
+        let delta_probability = delta_probability as f32;
+        Ok(Self { area, environment, delta, delta_probability, environment_probability })
     }
 
     /// Does nothing emit?
     pub fn is_empty(&self) -> bool {
-        self.area.is_none() && self.environment.is_none()
+        self.area.is_none() && self.environment.is_none() && self.delta.is_none()
     }
 
     /// Emitting primitives that can be sampled.
     pub fn area_count(&self) -> usize {
         self.area.as_ref().map_or(0, AreaLights::len)
+    }
+
+    /// Lights without extent that shine.
+    pub fn delta_count(&self) -> usize {
+        self.delta.as_ref().map_or(0, DeltaLights::len)
     }
 
     pub fn environment_map(&self) -> Option<&EnvironmentMap> {
@@ -51,33 +84,49 @@ impl Lights {
 
     /// Bytes held, the environment's image included.
     pub fn memory(&self) -> usize {
-        self.area.as_ref().map_or(0, AreaLights::memory) + self.environment.as_ref().map_or(0, EnvironmentMap::memory)
+        self.area.as_ref().map_or(0, AreaLights::memory)
+            + self.environment.as_ref().map_or(0, EnvironmentMap::memory)
+            + self.delta.as_ref().map_or(0, DeltaLights::memory)
     }
 
     /// Samples a direction from `p` (finite where `active`) to some light. `u_choice` and `u` are uniform in [0, 1).
     /// What lies between is not looked at.
     #[inline(always)]
     pub fn sample<R: Real>(&self, p: Vec3<R>, u_choice: R, u: [R; 2], active: R::Mask) -> LightSample<R> {
-        let (area, environment) = match (&self.area, &self.environment) {
-            (None, None) => return LightSample::none(),
-            (Some(area), None) => return sample_area(area, p, u_choice, u).only(active),
-            (None, Some(map)) => return sample_environment(map, u_choice, u, 1.0).only(active),
-            (Some(area), Some(map)) => (area, map),
-        };
-        let split = R::splat(self.environment_probability);
-        let to_environment = u_choice.lt(split);
-        // One number for both choices: within either branch it is uniform again once stretched back to [0, 1).
-        let from = R::select(to_environment, R::zero(), split);
-        let stretched = rescale(u_choice, from, R::select(to_environment, split, R::one()));
-        let area_lanes = active & !to_environment;
-        let environment_lanes = active & to_environment;
+        match (&self.area, &self.environment, &self.delta) {
+            (None, None, None) => LightSample::none(),
+            (Some(area), None, None) => sample_area(area, p, u_choice, u).only(active),
+            (None, Some(map), None) => sample_environment(map, u_choice, u, 1.0).only(active),
+            (None, None, Some(delta)) => delta.sample(p, u_choice, u, 1.0).only(active),
+            _ => self.sample_one_kind(p, u_choice, u, active),
+        }
+    }
+
+    /// The first part of the numbers leads to lights without extent, the second to the environment, the rest to areas.
+    #[inline(always)]
+    fn sample_one_kind<R: Real>(&self, p: Vec3<R>, u_choice: R, u: [R; 2], active: R::Mask) -> LightSample<R> {
+        let delta_end = R::splat(self.delta_probability);
+        let environment_end = R::splat(self.delta_probability + self.environment_probability);
+        let to_delta = u_choice.lt(delta_end);
+        let to_environment = u_choice.lt(environment_end) & !to_delta;
+        // One number for both choices: within any branch it is uniform again once stretched back to [0, 1).
+        let from = R::select(to_delta, R::zero(), R::select(to_environment, delta_end, environment_end));
+        let to = R::select(to_delta, delta_end, R::select(to_environment, environment_end, R::one()));
+        let stretched = rescale(u_choice, from, to);
         let mut sample = LightSample::none();
-        if area_lanes.any() {
+        let area_lanes = active & !to_delta & !to_environment;
+        if let Some(area) = self.area.as_ref().filter(|_| area_lanes.any()) {
             sample = sample_area(area, p, stretched, u).only(area_lanes);
         }
-        if environment_lanes.any() {
-            let other = sample_environment(environment, stretched, u, self.environment_probability);
+        let environment_lanes = active & to_environment;
+        if let Some(map) = self.environment.as_ref().filter(|_| environment_lanes.any()) {
+            let other = sample_environment(map, stretched, u, self.environment_probability);
             sample = LightSample::select(environment_lanes, other.only(environment_lanes), sample);
+        }
+        let delta_lanes = active & to_delta;
+        if let Some(delta) = self.delta.as_ref().filter(|_| delta_lanes.any()) {
+            let other = delta.sample(p, stretched, u, self.delta_probability);
+            sample = LightSample::select(delta_lanes, other.only(delta_lanes), sample);
         }
         sample
     }

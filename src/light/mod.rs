@@ -9,6 +9,7 @@
 
 mod alias;
 mod area;
+mod delta;
 mod density;
 mod environment;
 mod image;
@@ -17,9 +18,10 @@ mod sample;
 mod sphere;
 mod triangle;
 
+pub use delta::Extent;
 pub use environment::EnvironmentMap;
 pub use lights::{ENVIRONMENT_PROBABILITY, Lights};
-pub use sample::{LightSample, NO_PRIMITIVE};
+pub use sample::{DELTA_LIGHT, LightSample, NO_PRIMITIVE};
 pub use sphere::sphere_pdf;
 pub use triangle::triangle_pdf;
 
@@ -27,8 +29,10 @@ use thiserror::Error;
 
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum LightError {
-    #[error("{count} primitives emit; the light table holds {most}. Make fewer of them emissive")]
+    #[error("{count} lights; a light table holds {most}. Make fewer of them shine")]
     TooMany { count: usize, most: usize },
+    #[error("the intensity of a light leaves single precision at the scale of this scene. Use other units of length")]
+    Overflow,
 }
 
 /// A primitive that emits.

@@ -4,25 +4,29 @@ use crate::lane::{Bits, Mask, Real, Vec3};
 
 /// In [`LightSample::primitive`]: not a primitive but the environment (or no sample).
 pub const NO_PRIMITIVE: u32 = u32::MAX;
+/// In [`LightSample::primitive`]: a light without extent.
+pub const DELTA_LIGHT: u32 = u32::MAX - 1;
 
 /// One light sample per lane. A lane with `pdf` 0 holds none: its radiance is 0 and nothing else of it is meaningful.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample<R: Real> {
     /// Unit, towards the light.
     pub wi: Vec3<R>,
-    /// The point on an area light.
+    /// The point on an area light, or a point light.
     pub target: Vec3<R>,
     /// How far each coordinate of `target` may be off the true surface.
     pub target_error: Vec3<R>,
     /// Unit normal at `target` on the emitting side.
     pub ng: Vec3<R>,
-    /// To `target`; infinite for the environment.
+    /// To `target`; infinite for the environment and directional lights.
     pub distance: R,
+    /// Of a light without extent, what arrives per unit of area across `wi`.
     pub radiance: Vec3<R>,
-    /// In solid angle, the choice of light included.
+    /// In solid angle, the choice of light included. Of a light without extent, the probability of the choice.
     pub pdf: R,
+    /// Does `wi` lead out of the scene? To the environment or to a directional light.
     pub is_environment: R::Mask,
-    /// The emitting primitive, or [`NO_PRIMITIVE`].
+    /// The emitting primitive, [`DELTA_LIGHT`] or [`NO_PRIMITIVE`].
     pub primitive: R::Bits,
 }
 
@@ -51,6 +55,12 @@ impl<R: Real> LightPoint<R> {
 }
 
 impl<R: Real> LightSample<R> {
+    /// Lights without extent, which nothing but their samples finds.
+    #[inline(always)]
+    pub fn is_delta(&self) -> R::Mask {
+        self.primitive.eq(R::Bits::splat(DELTA_LIGHT))
+    }
+
     #[inline(always)]
     pub(super) fn none() -> Self {
         Self {

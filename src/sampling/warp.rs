@@ -13,6 +13,14 @@ fn spherical<R: Real>(cos_theta: R, sin_theta: R, u: R) -> Vec3<R> {
     Vec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
 }
 
+/// The unit disk.
+#[inline(always)]
+pub fn uniform_disk<R: Real>(u: [R; 2]) -> [R; 2] {
+    let (sin_phi, cos_phi) = math::sincos_2pi(u[1]);
+    let r = u[0].sqrt();
+    [r * cos_phi, r * sin_phi]
+}
+
 /// The upper hemisphere by cosine: the uniform disk, lifted (Malley). z ≥ 2⁻¹² for `u` in multiples of 2⁻²⁴.
 #[inline(always)]
 pub fn cosine_hemisphere<R: Real>(u: [R; 2]) -> Vec3<R> {

@@ -60,6 +60,7 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
         film: DEFAULT_FILM,
         integrator: DEFAULT_INTEGRATOR,
         environment,
+        delta_lights: Vec::new(),
         mesh,
         spheres,
         materials,
@@ -145,6 +146,8 @@ impl View {
             look_at: look_at.to_array(),
             up: [0.0, 1.0, 0.0],
             vfov: self.vfov as f32,
+            lens_radius: 0.0,
+            focus_distance: 1.0,
         })
     }
 }

@@ -1,5 +1,7 @@
 //! The sets that numbers in input files must lie in.
 
+use crate::bsdf::EXPONENT_MAX;
+
 /// A set of numbers with the words an error message uses for it.
 pub(super) struct Domain {
     contains: fn(f32) -> bool,
@@ -10,6 +12,12 @@ pub(super) const FINITE: Domain = Domain { contains: f32::is_finite, words: "fin
 pub(super) const POSITIVE: Domain = Domain { contains: |x| x.is_finite() && x > 0.0, words: "finite and > 0" };
 pub(super) const NON_NEGATIVE: Domain = Domain { contains: |x| x.is_finite() && x >= 0.0, words: "finite and >= 0" };
 pub(super) const UNIT: Domain = Domain { contains: |x| (0.0..=1.0).contains(&x), words: "in [0, 1]" };
+pub(super) const EXPONENT: Domain = Domain {
+    contains: |x| (0.0..=EXPONENT_MAX).contains(&x),
+    words: "in [0, 1e7] (a mirror is a conductor of alpha 0)",
+};
+pub(super) const HALF_ANGLE: Domain =
+    Domain { contains: |x| x > 0.0 && x <= 180.0, words: "an angle in degrees, > 0 and <= 180" };
 pub(super) const FIELD_OF_VIEW: Domain =
     Domain { contains: |x| x > 0.0 && x < 180.0, words: "an angle in degrees, > 0 and < 180" };
 

@@ -36,6 +36,7 @@ pub(super) fn read(file: &Path, scale: [f32; 3]) -> Result<EnvironmentImage, Sce
                 width: size.width(),
                 height: size.height(),
                 texels: vec![[0.0; 3]; size.area()],
+                rotation: 0.0,
             },
             |image: &mut EnvironmentImage, at, (r, g, b): (f32, f32, f32)| {
                 image.texels[at.y() * image.width + at.x()] = [r, g, b];

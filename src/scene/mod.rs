@@ -16,6 +16,7 @@ mod obj;
 mod obj_feed;
 mod surroundings;
 mod toml_file;
+mod toml_light;
 mod toml_material;
 mod toml_text;
 mod transform;
@@ -32,6 +33,8 @@ pub struct Scene {
     pub film: FilmSize,
     pub integrator: Integrator,
     pub environment: Option<Environment>,
+    /// Lights without extent.
+    pub delta_lights: Vec<DeltaLight>,
     /// All meshes, transformed and concatenated in file order.
     pub mesh: Mesh,
     pub spheres: Vec<Sphere>,
@@ -41,7 +44,7 @@ pub struct Scene {
     pub assumptions: Vec<String>,
 }
 
-/// A pinhole camera. `right = forward × up`; image row 0 is the top.
+/// A thin-lens camera. `right = forward × up`; image row 0 is the top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     pub position: [f32; 3],
@@ -51,6 +54,10 @@ pub struct Camera {
     pub up: [f32; 3],
     /// Full vertical field of view in degrees, in (0, 180).
     pub vfov: f32,
+    /// ≥ 0; 0 is a pinhole.
+    pub lens_radius: f32,
+    /// From the lens to the plane that is sharp, along the viewing direction. > 0.
+    pub focus_distance: f32,
 }
 
 /// Film size in pixels, each side in 1 … 65,536.
@@ -93,6 +100,41 @@ pub struct EnvironmentImage {
     pub height: usize,
     /// Row-major RGB radiance, already multiplied by the scene's `radiance`; finite and ≥ 0.
     pub texels: Vec<[f32; 3]>,
+    /// Degrees by which the environment is turned about +y, counter-clockwise seen from above.
+    pub rotation: f32,
+}
+
+/// A light without extent: no ray meets it. Strengths are ≥ 0, directions unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DeltaLight {
+    /// `intensity` in W·sr⁻¹.
+    Point { position: [f32; 3], intensity: [f32; 3] },
+    /// `direction` is the way the light travels; `irradiance` in W·m⁻² on a plane perpendicular to it.
+    Directional { direction: [f32; 3], irradiance: [f32; 3] },
+    /// A point light that is dark outside a cone of half-angle `angle` degrees, in (0, 180], about `direction`.
+    Spot { position: [f32; 3], direction: [f32; 3], intensity: [f32; 3], angle: f32 },
+}
+
+impl DeltaLight {
+    /// Intensity or irradiance.
+    pub fn strength(&self) -> [f32; 3] {
+        match *self {
+            DeltaLight::Point { intensity, .. } | DeltaLight::Spot { intensity, .. } => intensity,
+            DeltaLight::Directional { irradiance, .. } => irradiance,
+        }
+    }
+
+    /// Where it is, unless infinitely far away.
+    pub fn position(&self) -> Option<[f32; 3]> {
+        match *self {
+            DeltaLight::Point { position, .. } | DeltaLight::Spot { position, .. } => Some(position),
+            DeltaLight::Directional { .. } => None,
+        }
+    }
+
+    pub(crate) fn is_directional(&self) -> bool {
+        matches!(self, DeltaLight::Directional { .. })
+    }
 }
 
 /// Triangles after their transform, winding flipped where the transform mirrors.
@@ -137,6 +179,11 @@ pub enum Bsdf {
     Conductor { alpha: f32, masking: Masking, fresnel: ConductorFresnel },
     /// Reflects and refracts; `alpha` = 0 is smooth. Outside (where the normal points) the index is 1.
     Dielectric { alpha: f32, masking: Masking, ior: f32 },
+    /// kd/π + ks (n + 2)/2π cosⁿα, α from the mirror direction; both sides. kd + ks ≤ 1 up to rounding, n in
+    /// [0, [`EXPONENT_MAX`](crate::bsdf::EXPONENT_MAX)].
+    Phong { diffuse: [f32; 3], specular: [f32; 3], exponent: f32 },
+    /// Lambert under a dielectric coat of GGX microfacets; both sides. `alpha` = 0 is a smooth coat.
+    Coated { reflectance: [f32; 3], alpha: f32, masking: Masking, ior: f32 },
 }
 
 /// Smith masking-shadowing of two directions.

@@ -4,6 +4,7 @@ use super::domain::{Domain, NON_NEGATIVE, POSITIVE, UNIT};
 use super::error::SceneError;
 use super::notes::Notes;
 use super::{Bsdf, ConductorFresnel, Masking, Material};
+use crate::bsdf::EXPONENT_MAX;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -153,12 +154,33 @@ impl Reading<'_> {
             let roughness = roughness.unwrap_or_else(|| self.assume("roughness (Pr)", ASSUMED_ROUGHNESS));
             return Ok(conductor(roughness * roughness, ConductorFresnel::Schlick { f0: albedo }));
         }
-        if self.entry.lines.contains_key("Pr") {
-            self.warn("Pr", "coated materials are not rendered yet: only the diffuse part is");
-        } else if parsed.specular.is_some_and(|ks| ks != [0.0; 3]) && parsed.shininess.is_some_and(|ns| ns > 0.0) {
-            self.warn("Ks", "glossy (Phong) reflection is not rendered yet: only the diffuse part is");
+        if let Some(roughness) = self.scalar("Pr", self.unknown("Pr"), &UNIT)? {
+            let ior = self.scalar("Ni", parsed.optical_density, &POSITIVE)?;
+            let ior = ior.unwrap_or_else(|| self.assume("index of refraction (Ni)", ASSUMED_IOR));
+            let alpha = roughness * roughness;
+            return Ok(Bsdf::Coated { reflectance: albedo, alpha, masking: Masking::Correlated, ior });
         }
-        Ok(Bsdf::Diffuse { reflectance: albedo })
+        self.phong(albedo)
+    }
+
+    /// Kd with a lobe of Ks where there is one (`Ns` > 0), Lambert where not.
+    fn phong(&mut self, diffuse: [f32; 3]) -> Result<Bsdf, SceneError> {
+        let parsed = &self.entry.parsed;
+        let Some(exponent) = parsed.shininess.filter(|&ns| ns > 0.0) else {
+            return Ok(Bsdf::Diffuse { reflectance: diffuse });
+        };
+        let specular = self.colour("Ks", parsed.specular, &NON_NEGATIVE)?.unwrap_or_default();
+        if exponent > EXPONENT_MAX {
+            self.warn("Ns", "it is lowered to 1e7, the narrowest lobe that is rendered");
+        }
+        let room = std::array::from_fn(|c| specular[c].min(1.0 - diffuse[c]));
+        if room != specular {
+            self.warn("Ks", "Kd + Ks is more than 1 in a channel, and Ks lowered to 1 - Kd there");
+        }
+        if room == [0.0; 3] {
+            return Ok(Bsdf::Diffuse { reflectance: diffuse });
+        }
+        Ok(Bsdf::Phong { diffuse, specular: room, exponent: exponent.min(EXPONENT_MAX) })
     }
 
     /// Warns of the keys that change nothing for any material yet.

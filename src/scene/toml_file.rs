@@ -6,12 +6,11 @@ use super::load::beside;
 use super::materials::Materials;
 use super::mesh_file::add_obj;
 use super::notes::Notes;
+use super::toml_light::{DirectionalTable, EnvironmentTable, PointTable, SpotTable, delta_lights, environment};
 use super::toml_material::MaterialTable;
-use super::toml_text::{Colour, Numbers, TomlText};
+use super::toml_text::{Numbers, TomlText};
 use super::transform::Transform;
-use super::{
-    Camera, Environment, FilmSize, Integrator, IntegratorKind, Material, Mesh, Scene, Sphere, environment as image,
-};
+use super::{Camera, FilmSize, Integrator, IntegratorKind, Material, Mesh, Scene, Sphere};
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -30,6 +29,12 @@ struct SceneTable {
     #[serde(default)]
     sphere: Vec<SphereTable>,
     #[serde(default)]
+    point_light: Vec<PointTable>,
+    #[serde(default)]
+    directional_light: Vec<DirectionalTable>,
+    #[serde(default)]
+    spot_light: Vec<SpotTable>,
+    #[serde(default)]
     materials: BTreeMap<Spanned<String>, MaterialTable>,
 }
 
@@ -40,6 +45,8 @@ struct CameraTable {
     look_at: Spanned<Numbers<3>>,
     up: Option<Spanned<Numbers<3>>>,
     vfov: Option<Spanned<f64>>,
+    lens_radius: Option<Spanned<f64>>,
+    focus_distance: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -55,13 +62,6 @@ struct IntegratorTable {
     kind: Option<Spanned<String>>,
     max_bounces: Option<Spanned<i64>>,
     max_depth: Option<Spanned<f64>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct EnvironmentTable {
-    radiance: Option<Spanned<Colour>>,
-    file: Option<Spanned<String>>,
 }
 
 #[derive(Deserialize)]
@@ -110,6 +110,7 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
     // A view shows geometry: an environment image would be read for nothing.
     let lit = table.environment.filter(|_| integrator.kind.transports_light());
     let environment = lit.map(|table| environment(&table, &text)).transpose()?;
+    let delta_lights = delta_lights(&table.point_light, &table.directional_light, &table.spot_light, &text)?;
     let mut mesh = Mesh::default();
     for table in &table.mesh {
         add_mesh(table, &mut mesh, &mut materials, notes, &text)?;
@@ -124,6 +125,7 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
         film,
         integrator,
         environment,
+        delta_lights,
         mesh,
         spheres,
         materials,
@@ -147,7 +149,12 @@ fn camera(table: &CameraTable, text: &TomlText) -> Result<Camera, SceneError> {
         let place = table.up.as_ref().map_or(table.look_at.span(), Spanned::span);
         return Err(text.error(place, "`up` is zero or parallel to the viewing direction", "give another `up`"));
     }
-    Ok(Camera { position, look_at, up, vfov })
+    let number = |key, value: &Option<Spanned<f64>>, domain, default| {
+        value.as_ref().map_or(Ok(default), |value| text.number(key, value, domain))
+    };
+    let lens_radius = number("lens_radius", &table.lens_radius, &NON_NEGATIVE, 0.0)?;
+    let focus_distance = number("focus_distance", &table.focus_distance, &POSITIVE, 1.0)?;
+    Ok(Camera { position, look_at, up, vfov, lens_radius, focus_distance })
 }
 
 fn film(table: Option<&FilmTable>, text: &TomlText) -> Result<FilmSize, SceneError> {
@@ -231,19 +238,6 @@ fn spheres(tables: &[SphereTable], materials: &mut Materials, text: &TomlText) -
     tables.iter().map(read).collect()
 }
 
-fn environment(table: &Spanned<EnvironmentTable>, text: &TomlText) -> Result<Environment, SceneError> {
-    let EnvironmentTable { radiance, file } = table.as_ref();
-    let scale = radiance.as_ref().map(|radiance| text.colour("radiance", radiance, &NON_NEGATIVE)).transpose()?;
-    match (file, scale) {
-        (Some(file), scale) => {
-            let path = named_file(file, "an .exr image", "exr", text)?;
-            Ok(Environment::Image(image::read(&path, scale.unwrap_or([1.0; 3]))?))
-        }
-        (None, Some(radiance)) => Ok(Environment::Constant(radiance)),
-        (None, None) => Err(text.error(table.span(), "the environment is empty", "give it `radiance` or `file`")),
-    }
-}
-
 fn add_mesh(
     table: &MeshTable,
     mesh: &mut Mesh,
@@ -266,7 +260,12 @@ fn add_mesh(
 }
 
 /// The path of a file that the scene names: it must exist, and be of the kind that is read there.
-fn named_file(name: &Spanned<String>, kind: &str, extension: &str, text: &TomlText) -> Result<PathBuf, SceneError> {
+pub(super) fn named_file(
+    name: &Spanned<String>,
+    kind: &str,
+    extension: &str,
+    text: &TomlText,
+) -> Result<PathBuf, SceneError> {
     let path = beside(text.file, name.as_ref());
     if !path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension)) {
         let message = format!("`{}` is not {kind}", name.as_ref());

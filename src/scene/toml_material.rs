@@ -1,6 +1,6 @@
 //! `[materials.NAME]`.
 
-use super::domain::{Domain, NON_NEGATIVE, POSITIVE, UNIT};
+use super::domain::{Domain, EXPONENT, NON_NEGATIVE, POSITIVE, UNIT};
 use super::error::SceneError;
 use super::toml_text::{Colour, TomlText};
 use super::{Bsdf, ConductorFresnel, Masking, Material};
@@ -21,6 +21,9 @@ pub(super) struct MaterialTable {
     k: Option<Spanned<Colour>>,
     f0: Option<Spanned<Colour>>,
     ior: Option<Spanned<f64>>,
+    diffuse: Option<Spanned<Colour>>,
+    specular: Option<Spanned<Colour>>,
+    exponent: Option<Spanned<f64>>,
 }
 
 impl MaterialTable {
@@ -44,6 +47,9 @@ impl MaterialTable {
             ("k", place(&self.k)),
             ("f0", place(&self.f0)),
             ("ior", place(&self.ior)),
+            ("diffuse", place(&self.diffuse)),
+            ("specular", place(&self.specular)),
+            ("exponent", place(&self.exponent)),
         ]
         .into_iter()
         .filter_map(|(key, place)| Some((key, place?)))
@@ -60,8 +66,7 @@ impl Reading<'_> {
         match self.table.r#type.as_ref().as_str() {
             "diffuse" => {
                 self.only(&["reflectance"])?;
-                let reflectance = self.colour("reflectance", &self.table.reflectance, &UNIT)?;
-                Ok(Bsdf::Diffuse { reflectance: reflectance.ok_or_else(|| self.missing("reflectance"))? })
+                Ok(Bsdf::Diffuse { reflectance: self.reflectance()? })
             }
             "conductor" => {
                 self.only(&["alpha", "masking", "eta", "k", "f0", "reflectance"])?;
@@ -69,14 +74,46 @@ impl Reading<'_> {
             }
             "dielectric" => {
                 self.only(&["alpha", "masking", "ior"])?;
-                let ior = self.table.ior.as_ref().ok_or_else(|| self.missing("ior"))?;
-                let ior = self.text.number("ior", ior, &POSITIVE)?;
-                Ok(Bsdf::Dielectric { alpha: self.alpha()?, masking: self.masking()?, ior })
+                Ok(Bsdf::Dielectric { alpha: self.alpha()?, masking: self.masking()?, ior: self.ior()? })
             }
-            other => {
-                Err(self.at_type(format!("unknown material type `{other}`"), "use diffuse, conductor or dielectric"))
+            "phong" => {
+                self.only(&["diffuse", "specular", "exponent"])?;
+                self.phong()
             }
+            "coated" => {
+                self.only(&["reflectance", "ior", "alpha", "masking"])?;
+                let (reflectance, ior) = (self.reflectance()?, self.ior()?);
+                Ok(Bsdf::Coated { reflectance, alpha: self.alpha()?, masking: self.masking()?, ior })
+            }
+            other => Err(self.at_type(
+                format!("unknown material type `{other}`"),
+                "use diffuse, phong, conductor, dielectric or coated",
+            )),
         }
+    }
+
+    fn phong(&self) -> Result<Bsdf, SceneError> {
+        let diffuse = self.colour("diffuse", &self.table.diffuse, &UNIT)?.ok_or_else(|| self.missing("diffuse"))?;
+        let specular = self.colour("specular", &self.table.specular, &UNIT)?.ok_or_else(|| self.missing("specular"))?;
+        let exponent = self.table.exponent.as_ref().ok_or_else(|| self.missing("exponent"))?;
+        let exponent = self.text.number("exponent", exponent, &EXPONENT)?;
+        // What the rounding of both to f32 may add.
+        let most = 1.0 + f64::from(f32::EPSILON);
+        if diffuse.iter().zip(specular).any(|(&kd, ks)| f64::from(kd) + f64::from(ks) > most) {
+            let place = self.table.specular.as_ref().map_or(0..0, Spanned::span);
+            let message = "`diffuse` + `specular` is more than 1 in a channel: the surface would make light";
+            return Err(self.text.error(place, message, "lower one of them"));
+        }
+        Ok(Bsdf::Phong { diffuse, specular, exponent })
+    }
+
+    fn reflectance(&self) -> Result<[f32; 3], SceneError> {
+        self.colour("reflectance", &self.table.reflectance, &UNIT)?.ok_or_else(|| self.missing("reflectance"))
+    }
+
+    fn ior(&self) -> Result<f32, SceneError> {
+        let ior = self.table.ior.as_ref().ok_or_else(|| self.missing("ior"))?;
+        self.text.number("ior", ior, &POSITIVE)
     }
 
     fn only(&self, known: &[&str]) -> Result<(), SceneError> {

@@ -1,8 +1,8 @@
 //! Everything finite where formulas on paper divide by zero.
 
-use super::{at, glass, to_f64, white_metal};
+use super::{at, coat, glass, phong, to_f64, white_metal};
 use crate::stats::Rng;
-use octolux::bsdf::{ALPHA_MIN, Conductor, ConductorFresnel, Diffuse, Eval, Model, Sample};
+use octolux::bsdf::{ALPHA_MIN, Conductor, ConductorFresnel, Diffuse, EXPONENT_MAX, Eval, Model, Sample};
 use octolux::lane::Vec3;
 use octolux::sampling::ONE_BELOW;
 
@@ -52,6 +52,12 @@ fn everything_is_finite() {
     for mu in COSINES.iter().flat_map(|&mu| [mu, -mu]) {
         let wo = at::<f32>(mu, 0.4);
         probe("diffuse", &Diffuse { reflectance: Vec3::splat([0.5; 3]) }, wo, &mut rng);
+        for exponent in [0.0, 0.5, 1.0, 30.0, 1e4, EXPONENT_MAX] {
+            for (diffuse, specular) in [(0.0, 1.0), (0.5, 0.5), (1.0, 0.0), (1e-30, 1e-38), (0.0, 0.0)] {
+                let name = format!("phong {diffuse} {specular} {exponent}, cosine {mu}");
+                probe(&name, &phong::<f32>(diffuse, specular, exponent), wo, &mut rng);
+            }
+        }
         for alpha in ALPHAS {
             for separable in [false, true] {
                 let name = format!("alpha {alpha}, cosine {mu}");
@@ -59,6 +65,10 @@ fn everything_is_finite() {
                 probe(&format!("metal, {name}"), &Conductor { alpha, separable, fresnel: metal }, wo, &mut rng);
                 for ior in [1.5, 1.0, 1.0 + 1e-6, 1.001, 0.7, 3.0] {
                     probe(&format!("glass {ior}, {name}"), &glass::<f32>(alpha, separable, ior), wo, &mut rng);
+                    for reflectance in [0.0, 0.5, 1.0] {
+                        let coat = coat::<f32>(reflectance, alpha, separable, ior);
+                        probe(&format!("coat {ior} on {reflectance}, {name}"), &coat, wo, &mut rng);
+                    }
                 }
             }
         }

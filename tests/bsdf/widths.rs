@@ -2,7 +2,7 @@
 
 use crate::lane::widths::{LaneFunction, assert_same_bits, truth};
 use crate::stats::Rng;
-use octolux::bsdf::{Conductor, ConductorFresnel, Dielectric, Diffuse, Model};
+use octolux::bsdf::{Coated, Conductor, ConductorFresnel, Dielectric, Diffuse, Model, Phong};
 use octolux::lane::{Real, Vec3};
 
 fn all<R: Real>(model: &impl Model<R>, wo: Vec3<R>, wi: Vec3<R>, u: [R; 3]) -> Vec<R> {
@@ -25,6 +25,8 @@ impl LaneFunction for Models {
         let mut results = all(&Diffuse { reflectance: vector(13) }, wo, wi, u);
         results.extend(all(&Conductor { alpha, separable, fresnel }, wo, wi, u));
         results.extend(all(&Dielectric { alpha, separable, ior }, wo, wi, u));
+        results.extend(all(&Coated { reflectance: vector(13), alpha, separable, ior }, wo, wi, u));
+        results.extend(all(&Phong { diffuse: vector(13), specular: vector(16), exponent: x[19] }, wo, wi, u));
         results
     }
 }
@@ -43,6 +45,7 @@ fn the_same_bits_at_every_width() {
             row.push(if rng.f64() < 0.1 { 1.0 } else { 2f64.powf(rng.range(-1.0, 1.0)) as f32 });
             row.extend((0..2).map(|_| rng.f32()));
             row.extend((0..6).map(|_| rng.f32()));
+            row.push(10f64.powf(rng.range(-1.0, 7.0)) as f32);
             rows.push(row);
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{assert_same, scenes};
 use crate::renders;
-use octolux::scene::Scene;
+use octolux::scene::{DeltaLight, Scene};
 
 const SAMPLES: u64 = 16;
 const SEED: u64 = 22;
@@ -15,6 +15,14 @@ fn scaled(scene: &Scene, k: i32) -> Scene {
     let lengths = scene.mesh.positions.iter_mut().chain([&mut camera.position, &mut camera.look_at]);
     lengths.chain(scene.spheres.iter_mut().map(|sphere| &mut sphere.center)).flatten().for_each(|x| *x *= s);
     scene.spheres.iter_mut().for_each(|sphere| sphere.radius *= s);
+    (scene.camera.lens_radius, scene.camera.focus_distance) =
+        (scene.camera.lens_radius * s, scene.camera.focus_distance * s);
+    for light in &mut scene.delta_lights {
+        if let DeltaLight::Point { position, intensity } | DeltaLight::Spot { position, intensity, .. } = light {
+            position.iter_mut().for_each(|x| *x *= s);
+            intensity.iter_mut().for_each(|x| *x *= s * s);
+        }
+    }
     scene
 }
 
@@ -23,7 +31,9 @@ fn scaled(scene: &Scene, k: i32) -> Scene {
 fn powers_of_two_do_not_show() {
     for (name, scene) in scenes::all() {
         let expected = renders::film(&renders::world(&scene, SEED), SAMPLES);
-        for k in [-66, -24, -1, 3, 24, 66] {
+        // An intensity goes with the square of lengths, which is out of f32's range at 2¹³².
+        let intensities = !scene.delta_lights.is_empty();
+        for k in [-66, -24, -1, 3, 24, 66].into_iter().filter(|k: &i32| k.abs() < 60 || !intensities) {
             let found = renders::film(&renders::world(&scaled(&scene, k), SEED), SAMPLES);
             assert_same(&format!("{name}, scaled by 2^{k}"), &found, &expected);
         }

@@ -1,7 +1,7 @@
 //! Scenes that together need everything the kernel has, and one by one need little.
 
 use crate::renders::Set;
-use octolux::scene::{Bsdf, ConductorFresnel, Environment, EnvironmentImage, Masking, Scene};
+use octolux::scene::{Bsdf, ConductorFresnel, DeltaLight, Environment, EnvironmentImage, Masking, Scene};
 use std::f64::consts::TAU;
 
 pub const SIDE: u32 = 20;
@@ -14,6 +14,8 @@ pub fn all() -> Vec<(&'static str, Scene)> {
         ("spheres under a sky", spheres_under_a_sky()),
         ("many triangles", many_triangles()),
         ("mirror room", mirror_room()),
+        ("stage lights", stage_lights(true)),
+        ("lambert stage", lambert_stage()),
         ("black", Set::new([0.0, 0.0, 3.0], [0.0; 3], 40.0, SIDE).finish()),
     ]
 }
@@ -33,6 +35,10 @@ pub fn everything() -> Scene {
         let x = i as f64;
         set.sphere(material, [-2.0 + 0.62 * x, 0.3, 0.9 - 0.3 * (x - 3.0).abs()], 0.3);
     }
+    for (i, bsdf) in layered().into_iter().enumerate() {
+        let material = set.material(bsdf, [0.0; 3]);
+        set.sphere(material, [-1.1 + 0.7 * i as f64, 0.2, 1.6], 0.2);
+    }
     cylinder(&mut set, ring, 24, 3);
     set.finish()
 }
@@ -50,6 +56,17 @@ fn glossy() -> [Bsdf; 7] {
         glass(0.2, Masking::Separable, 1.33),
         glass(0.6, Masking::Correlated, 1.8),
         metal(1.0, Masking::Correlated, gold),
+    ]
+}
+
+/// A base and a lobe each; the last coat is a delta lobe above a base that is none.
+fn layered() -> [Bsdf; 4] {
+    let coat = |alpha, masking| Bsdf::Coated { reflectance: [0.5, 0.2, 0.1], alpha, masking, ior: 1.5 };
+    [
+        Bsdf::Phong { diffuse: [0.3, 0.3, 0.2], specular: [0.4, 0.5, 0.6], exponent: 40.0 },
+        Bsdf::Phong { diffuse: [0.0, 0.1, 0.0], specular: [0.9, 0.8, 0.9], exponent: 3.0 },
+        coat(0.2, Masking::Separable),
+        coat(0.0, Masking::Correlated),
     ]
 }
 
@@ -98,6 +115,44 @@ fn many_triangles() -> Scene {
     set.finish()
 }
 
+/// Lights without extent on glossy spheres, through a lens, with a lamp, and a sky that is turned.
+pub fn stage_lights(sky_too: bool) -> Scene {
+    let mut set = Set::new([0.2, 1.2, 3.0], [0.0, 0.3, 0.0], 45.0, SIDE).bounces(6).lens(0.04, 2.6);
+    if sky_too {
+        let Environment::Image(image) = sky() else { unreachable!() };
+        set = set.environment(Environment::Image(EnvironmentImage { rotation: 130.0, ..image }));
+    }
+    let ground = set.material(Bsdf::Diffuse { reflectance: [0.5, 0.5, 0.4] }, [0.0; 3]);
+    let lamp = set.material(Bsdf::Diffuse { reflectance: [0.0; 3] }, [2.0, 3.0, 4.0]);
+    set.quad(ground, [[-3.0, 0.0, 3.0], [3.0, 0.0, 3.0], [3.0, 0.0, -3.0], [-3.0, 0.0, -3.0]]);
+    set.quad(lamp, [[-0.5, 2.0, -0.5], [0.5, 2.0, -0.5], [0.5, 2.0, 0.5], [-0.5, 2.0, 0.5]]);
+    for (i, bsdf) in layered().into_iter().enumerate() {
+        let material = set.material(bsdf, [0.0; 3]);
+        set.sphere(material, [-0.9 + 0.6 * i as f64, 0.3, 0.2 - 0.3 * (i % 2) as f64], 0.29);
+    }
+    lit(set).finish()
+}
+
+fn lit(set: Set) -> Set {
+    set.light(DeltaLight::Point { position: [-1.0, 1.5, 1.0], intensity: [1.5, 1.0, 0.5] })
+        .light(DeltaLight::Directional { direction: [0.48, -0.8, -0.36], irradiance: [0.4, 0.6, 0.8] })
+        .light(DeltaLight::Spot {
+            position: [1.2, 1.4, 0.5],
+            direction: [-0.64, -0.6, -0.48],
+            intensity: [3.0, 3.0, 4.0],
+            angle: 18.0,
+        })
+}
+
+/// The same lights and lens in a scene of few Lambert triangles.
+fn lambert_stage() -> Scene {
+    let mut set = Set::new([0.2, 1.2, 3.0], [0.0, 0.3, 0.0], 45.0, SIDE).bounces(3).lens(0.1, 3.0);
+    let grey = set.grey(0.6, 0.0);
+    set.quad(grey, [[-3.0, 0.0, 3.0], [3.0, 0.0, 3.0], [3.0, 0.0, -3.0], [-3.0, 0.0, -3.0]]);
+    set.block(grey, [-0.6, 0.0, -0.3], [-0.1, 0.7, 0.3]);
+    lit(set).finish()
+}
+
 /// Only deltas: light sampling has nothing to do.
 fn mirror_room() -> Scene {
     let mut set = Set::new([0.3, 0.2, 0.9], [-0.4, -0.1, -1.0], 80.0, SIDE).bounces(40);
@@ -114,5 +169,10 @@ fn sky() -> Environment {
         let (x, y) = ((i % width) as f32, (i / width) as f32);
         if (x, y) == (11.0, 2.0) { [60.0, 55.0, 40.0] } else { [0.2 + 0.02 * x, 0.3 + 0.01 * x, 0.9 - 0.1 * y] }
     };
-    Environment::Image(EnvironmentImage { width, height, texels: (0..width * height).map(texel).collect() })
+    Environment::Image(EnvironmentImage {
+        width,
+        height,
+        texels: (0..width * height).map(texel).collect(),
+        rotation: 0.0,
+    })
 }

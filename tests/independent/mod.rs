@@ -54,6 +54,13 @@ fn spheres_under_a_sky() {
     compare("spheres under a sky", &scene, 8192, 5);
 }
 
+/// Phong and coated spheres by point, directional and spot light through a lens; the oracle adds up every light.
+#[test]
+fn stage_lights() {
+    compare("stage lights", &scenes::stage_lights(false), 4096, 5);
+    compare("stage lights under a turned sky", &scenes::stage_lights(true), 4096, 5);
+}
+
 #[test]
 fn lambert_room() {
     compare("lambert room", &scenes::lambert_room(), 4096, 4);

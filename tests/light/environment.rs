@@ -180,3 +180,50 @@ fn memory() {
     let image = width * height * size_of::<[f32; 3]>();
     assert!(bytes - image <= 20 * width * height + 20 * width, "{bytes}");
 }
+
+/// Turning by whole texels is moving the texels: the same radiance and density, up to how well a turned direction is known.
+#[test]
+fn turning_moves_the_texels() {
+    let mut rng = Rng::new(14);
+    for (width, height, steps) in [(8, 4, 1usize), (12, 5, 7), (64, 32, 40)] {
+        let still = noise(width, height, 0.5, 2.0, 15);
+        // Counter-clockwise from above: what was seen towards −z is then seen towards −x, a smaller u.
+        let moved = image(width, height, |r, c| still.texels[r * width + (c + steps) % width]);
+        let turned = EnvironmentImage { rotation: (360.0 * steps as f64 / width as f64) as f32, ..still };
+        let (turned, moved) = (image_lights(&turned), image_lights(&moved));
+        // A place is known to 8·2⁻²⁴ of the circle and the angle of rotation to 2⁻²⁴ of itself; the texels' slope is at
+        // most 1.5 a column, 1 near the largest density.
+        let bound = 24.0 * ULP * (width + height) as f64 * 4.0 + 32.0 * ULP;
+        for _ in 0..20_000 {
+            // A pole has any azimuth.
+            let d = loop {
+                let d = rng.sphere();
+                if d[1].abs() < 0.99 {
+                    break vec1(f32s(d));
+                }
+            };
+            let ((a, pdf_a), (b, pdf_b)) = (turned.environment(d), moved.environment(d));
+            for (x, y) in [(a.x, b.x), (pdf_a, pdf_b)] {
+                assert!((f64::from(x) / f64::from(y) - 1.0).abs() < bound, "{x} for {y}, {width}×{height}, {d:?}");
+            }
+            let s = draw(&turned, [0.0; 3], &mut rng);
+            let (radiance, pdf) = moved.environment(s.wi);
+            assert!(s.wi.y.abs() > 0.99 || (f64::from(s.radiance.x) / f64::from(radiance.x) - 1.0).abs() < bound);
+            assert!(s.wi.y.abs() > 0.99 || (f64::from(s.pdf) / f64::from(pdf) - 1.0).abs() < bound);
+        }
+    }
+}
+
+#[test]
+fn a_turned_image_follows_its_density() {
+    let turned = image_lights(&EnvironmentImage { rotation: -100.0, ..noise(8, 4, 0.0, 1.0, 1) });
+    let outcome = Chi2Sphere::new("turned")
+        .tests(TESTS)
+        .around([0.0, 1.0, 0.0], 1.0)
+        .outcome(|rng| Some(f64s(draw(&turned, [0.0; 3], rng).wi.lane(0))), |d| stated_pdf(&turned, &[], [0.0; 3], d));
+    assert!(outcome.failure.is_none(), "{}", outcome.failure.unwrap());
+    // A whole turn is none, and no stage of its own.
+    let sky = |rotation| image_lights(&EnvironmentImage { rotation, ..noise(8, 4, 0.0, 1.0, 1) });
+    let d = vec1([0.6, 0.48, -0.64]);
+    assert_eq!(sky(-720.0).environment(d).0.lane(0), sky(0.0).environment(d).0.lane(0));
+}

@@ -2,6 +2,7 @@
 
 mod area;
 mod choice;
+mod delta;
 mod environment;
 mod image;
 mod irradiance;
@@ -10,4 +11,4 @@ mod sphere;
 mod widths;
 
 /// Statistical tests in this folder, for Šidák's bound. A generous count only widens the bound a little.
-const TESTS: usize = 80;
+const TESTS: usize = 96;

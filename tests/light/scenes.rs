@@ -98,7 +98,7 @@ pub fn bits(value: u32) -> <f32 as octolux::lane::Real>::Bits {
 /// Texels from a function of (row, column).
 pub fn image(width: usize, height: usize, mut texel: impl FnMut(usize, usize) -> [f32; 3]) -> EnvironmentImage {
     let texels = (0..width * height).map(|i| texel(i / width, i % width)).collect();
-    EnvironmentImage { width, height, texels }
+    EnvironmentImage { width, height, texels, rotation: 0.0 }
 }
 
 /// Grey texels, uniform in [lo, hi).

@@ -3,8 +3,8 @@
 use super::scenes::*;
 use crate::stats::Rng;
 use octolux::lane::{Bits, Mask, Real, Vec3, f32x8, f32x16};
-use octolux::light::{Emitter, Lights};
-use octolux::scene::Environment;
+use octolux::light::{Emitter, Extent, Lights};
+use octolux::scene::{DeltaLight, Environment};
 
 /// All a lane's outputs as bit patterns.
 type Out = Vec<u32>;
@@ -47,18 +47,35 @@ fn same_bits_at_every_width() {
     let all: Vec<Emitter> = triangles.iter().chain(&spheres).copied().collect();
     let sky = Environment::Image(noise(13, 7, 0.0, 1.0, 1));
     let grey = Environment::Constant([0.5; 3]);
-    let scenes: [(&[Emitter], Option<&Environment>); 7] = [
-        (&triangles[..1], None),
-        (&triangles, None),
-        (&spheres, None),
-        (&all, None),
-        (&all, Some(&sky)),
-        (&all, Some(&grey)),
-        (&[], Some(&sky)),
+    let turned = {
+        let Environment::Image(mut image) = sky.clone() else { unreachable!() };
+        image.rotation = 77.0;
+        Environment::Image(image)
+    };
+    let (direction, intensity) = ([0.6, 0.0, -0.8], [3.0, 2.0, 1.0]);
+    let delta = [
+        DeltaLight::Point { position: [0.1, 0.9, 0.2], intensity },
+        DeltaLight::Directional { direction, irradiance: [1.0, 2.0, 0.5] },
+        DeltaLight::Spot { position: [0.3, -0.4, 0.9], direction, intensity, angle: 50.0 },
+    ];
+    let extent = Extent { scale: 0.5, radius: 2.0 };
+    let scenes: [(&[Emitter], Option<&Environment>, &[DeltaLight]); 12] = [
+        (&triangles[..1], None, &[]),
+        (&triangles, None, &[]),
+        (&spheres, None, &[]),
+        (&all, None, &[]),
+        (&all, Some(&sky), &[]),
+        (&all, Some(&grey), &[]),
+        (&[], Some(&sky), &[]),
+        (&[], Some(&turned), &[]),
+        (&[], None, &delta),
+        (&all, None, &delta),
+        (&[], Some(&grey), &delta),
+        (&all, Some(&turned), &delta),
     ];
     let mut rng = Rng::new(2);
-    for (emitters, environment) in scenes {
-        let lights = Lights::build(emitters.to_vec(), environment).unwrap();
+    for (emitters, environment, delta) in scenes {
+        let lights = Lights::with_delta(emitters.to_vec(), environment, delta, extent).unwrap();
         for _ in 0..500 {
             let inputs = Inputs {
                 p: std::array::from_fn(|_| f32s(scaled(rng.sphere(), 0.2))),

@@ -2,7 +2,7 @@
 
 use super::fresnel::{fresnel_conductor, fresnel_dielectric, fresnel_schlick};
 use super::ggx::Ggx;
-use super::vec3::V3;
+use super::vec3::{Frame, V3};
 use crate::stats::Rng;
 use crate::stats::quadrature::{Adaptive, Rect};
 use octolux::scene::{Bsdf, ConductorFresnel};
@@ -29,6 +29,25 @@ pub fn bsdf_eval(bsdf: &Bsdf, wo: [f64; 3], wi: [f64; 3]) -> [f64; 3] {
             let ggx = Ggx { alpha: alpha.into(), masking };
             [rough_dielectric(&ggx, ior.into(), wo, wi, same_side); 3]
         }
+        Bsdf::Phong { diffuse, specular, exponent } if same_side => {
+            let lobe = phong_lobe(exponent.into(), wo, wi);
+            std::array::from_fn(|c| {
+                (f64::from(diffuse[c]) / PI + f64::from(specular[c]) * (f64::from(exponent) + 2.0) * lobe)
+                    * wi.z().abs()
+            })
+        }
+        Bsdf::Coated { reflectance, alpha, masking, ior } if same_side => {
+            let through = |w: V3| 1.0 - fresnel_dielectric(w.z().abs(), ior.into());
+            let base = through(wo) * through(wi) / PI * wi.z().abs();
+            let coat = if alpha > 0.0 {
+                let m = upward(wo + wi);
+                let f = fresnel_dielectric(wo.dot(m).abs(), ior.into());
+                f * reflection(&Ggx { alpha: alpha.into(), masking }, wo, wi, m)
+            } else {
+                0.0
+            };
+            reflectance.map(|r| f64::from(r) * base + coat)
+        }
         _ => [0.0; 3],
     }
 }
@@ -36,10 +55,16 @@ pub fn bsdf_eval(bsdf: &Bsdf, wo: [f64; 3], wi: [f64; 3]) -> [f64; 3] {
 /// Is all of its scattering into single directions?
 pub fn is_delta(bsdf: &Bsdf) -> bool {
     match *bsdf {
-        Bsdf::Diffuse { .. } => false,
+        Bsdf::Diffuse { .. } | Bsdf::Phong { .. } | Bsdf::Coated { .. } => false,
         Bsdf::Conductor { alpha, .. } => alpha == 0.0,
         Bsdf::Dielectric { alpha, ior, .. } => alpha == 0.0 || ior == 1.0,
     }
+}
+
+/// cosⁿα/2π, α between `wi` and the mirror direction of `wo`; 0 from 90° on.
+fn phong_lobe(n: f64, wo: V3, wi: V3) -> f64 {
+    let cos = reflect(wo, V3::Z).dot(wi);
+    if cos > 0.0 { cos.powf(n) / (2.0 * PI) } else { 0.0 }
 }
 
 /// Index behind the surface over index in front, as seen from `w`.
@@ -93,9 +118,29 @@ pub fn sample(bsdf: &Bsdf, wo: V3, rng: &mut Rng) -> Option<Sampled> {
     let u = [rng.f64(), rng.f64()];
     let (wi, density) = match *bsdf {
         Bsdf::Diffuse { .. } => {
-            let (s, c) = (2.0 * PI * u[1]).sin_cos();
-            let (r, z) = (u[0].sqrt(), (1.0 - u[0]).sqrt());
-            (V3::new(r * c, r * s, z * wo.z().signum()), z / PI)
+            let wi = cosine(wo, u);
+            (wi, wi.z().abs() / PI)
+        }
+        Bsdf::Phong { exponent, .. } => {
+            let n = f64::from(exponent);
+            let wi = if rng.f64() < 0.5 { about_mirror(n, wo, u) } else { cosine(wo, u) };
+            (wi, 0.5 * (wi.z().abs() / PI + (n + 1.0) * phong_lobe(n, wo, wi)))
+        }
+        Bsdf::Coated { alpha, masking, ior, .. } => {
+            let to_coat = rng.f64() < 0.5;
+            let ggx = Ggx { alpha: alpha.into(), masking };
+            if alpha == 0.0 {
+                if to_coat {
+                    let f = fresnel_dielectric(wo.z().abs(), ior.into());
+                    return Some(Sampled { wi: reflect(wo, V3::Z), weight: V3([2.0 * f; 3]) });
+                }
+                let wi = cosine(wo, u);
+                (wi, 0.5 * wi.z().abs() / PI)
+            } else {
+                let wi = if to_coat { reflect(wo, ggx.normal(u)) } else { cosine(wo, u) };
+                let m = upward(wo + wi);
+                (wi, 0.5 * (wi.z().abs() / PI + ggx.d(m) * m.z() / (4.0 * wo.dot(m).abs())))
+            }
         }
         Bsdf::Conductor { alpha, masking, fresnel } => {
             if alpha == 0.0 {
@@ -110,6 +155,21 @@ pub fn sample(bsdf: &Bsdf, wo: V3, rng: &mut Rng) -> Option<Sampled> {
     };
     let weight = V3(bsdf_eval(bsdf, wo.0, wi.0)) * (1.0 / density);
     (weight.max_component() > 0.0).then_some(Sampled { wi, weight })
+}
+
+/// The hemisphere of `wo` by cosine.
+fn cosine(wo: V3, u: [f64; 2]) -> V3 {
+    let (s, c) = (2.0 * PI * u[1]).sin_cos();
+    let (r, z) = (u[0].sqrt(), (1.0 - u[0]).sqrt());
+    V3::new(r * c, r * s, z * wo.z().signum())
+}
+
+/// With density (n + 1)/2π cosⁿα.
+fn about_mirror(n: f64, wo: V3, u: [f64; 2]) -> V3 {
+    let cos = u[0].powf(1.0 / (n + 1.0));
+    let sin = (1.0 - cos * cos).max(0.0).sqrt();
+    let (s, c) = (2.0 * PI * u[1]).sin_cos();
+    Frame::about(reflect(wo, V3::Z)).to_world(V3::new(sin * c, sin * s, cos))
 }
 
 fn dielectric(
@@ -193,6 +253,28 @@ pub fn directional_albedo(bsdf: &Bsdf, wo: [f64; 3]) -> Albedo {
             let part = |reflected| half_vector_integral(bsdf, ggx, eta, wo, reflected);
             Albedo { reflected: part(true), transmitted: part(false).map(|t| t * eta * eta) }
         }
+        Bsdf::Phong { diffuse, specular, exponent } => {
+            let n = f64::from(exponent);
+            let lobe = |u: f64, v: f64| {
+                let wi = about_mirror(n, wo, [u, v]);
+                if wi.z() * wo.z() > 0.0 { wi.z().abs() * (n + 2.0) / (n + 1.0) } else { 0.0 }
+            };
+            let lobe = Adaptive::new(1e-8, lobe).integrate(Rect { x: [0.0, 1.0], y: [0.0, 1.0] }, 3).0;
+            let channel = |c: usize| f64::from(diffuse[c]) + f64::from(specular[c]) * lobe;
+            Albedo { reflected: std::array::from_fn(channel), transmitted: none }
+        }
+        Bsdf::Coated { reflectance, alpha, masking, ior } => {
+            let f = |z: f64| fresnel_dielectric(z, ior.into());
+            let smooth = Bsdf::Coated { reflectance, alpha: 0.0, masking, ior };
+            let base = diffuse_albedo(&smooth, wo);
+            let coat = if alpha == 0.0 {
+                f(wo.z().abs())
+            } else {
+                let bare = Bsdf::Coated { reflectance: [0.0; 3], alpha, masking, ior };
+                half_vector_integral(&bare, Ggx { alpha: alpha.into(), masking }, 1.0, wo, true)[0]
+            };
+            Albedo { reflected: base.map(|b| b + coat), transmitted: none }
+        }
     }
 }
 
@@ -240,7 +322,7 @@ fn half_vector_integral(bsdf: &Bsdf, ggx: Ggx, eta: f64, wo: V3, reflected: bool
     let red = channel(0);
     let grey = match bsdf {
         Bsdf::Conductor { fresnel: ConductorFresnel::Constant { reflectance: [r, g, b] }, .. } => r == g && g == b,
-        _ => matches!(bsdf, Bsdf::Dielectric { .. }),
+        _ => matches!(bsdf, Bsdf::Dielectric { .. } | Bsdf::Coated { .. }),
     };
     if grey { [red; 3] } else { [red, channel(1), channel(2)] }
 }

@@ -14,7 +14,8 @@ pub fn environment_radiance(scene: &Scene, dir: [f64; 3]) -> [f64; 3] {
 }
 
 fn lookup(image: &EnvironmentImage, [x, y, z]: [f64; 3]) -> [f64; 3] {
-    let u = (x.atan2(-z) / TAU).rem_euclid(1.0);
+    // Turned counter-clockwise as seen from above, the image is looked up further to the right.
+    let u = (x.atan2(-z) / TAU + f64::from(image.rotation) / 360.0).rem_euclid(1.0);
     let v = y.clamp(-1.0, 1.0).acos() / PI;
     // Texel i's centre is at i + ½.
     let (column, row) = (u * image.width as f64 - 0.5, v * image.height as f64 - 0.5);

@@ -3,7 +3,7 @@
 use super::geometry::Geometry;
 use super::vec3::V3;
 use crate::stats::Rng;
-use octolux::scene::Scene;
+use octolux::scene::{DeltaLight, Scene};
 
 pub struct Emitters {
     /// (primitive, cumulative probability), by area times mean emission.
@@ -56,4 +56,23 @@ pub fn emission(scene: &Scene, material: usize) -> V3 {
 
 fn mean(v: V3) -> f64 {
     v.0.iter().sum::<f64>() / 3.0
+}
+
+/// What a light without extent sends through `p`: where it comes from, how far that is (None: infinitely), and how much
+/// arrives per unit of area across it.
+pub fn delta_light(light: &DeltaLight, p: V3) -> (V3, Option<f64>, V3) {
+    let from = |position: [f32; 3], intensity: [f32; 3]| {
+        let to = V3::of(position) - p;
+        let d = to.length();
+        (to * (1.0 / d), Some(d), V3::of(intensity) * (1.0 / (d * d)))
+    };
+    match *light {
+        DeltaLight::Point { position, intensity } => from(position, intensity),
+        DeltaLight::Directional { direction, irradiance } => (-V3::of(direction), None, V3::of(irradiance)),
+        DeltaLight::Spot { position, direction, intensity, angle } => {
+            let (wi, d, arriving) = from(position, intensity);
+            let off = wi.cross(V3::of(direction)).length().atan2(-wi.dot(V3::of(direction)));
+            (wi, d, if off.to_degrees() <= angle.into() { arriving } else { V3::default() })
+        }
+    }
 }

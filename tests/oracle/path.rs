@@ -1,11 +1,11 @@
 //! The path loop.
 
 use super::bsdf::{self, bsdf_eval, is_delta};
-use super::camera::camera_ray;
+use super::camera::lens_ray;
 use super::environment::environment_radiance;
 use super::geometry::{Geometry, Surface};
 use super::image::{Image, Region};
-use super::light::{Emitters, emission};
+use super::light::{Emitters, delta_light, emission};
 use super::vec3::{Frame, V3};
 use crate::stats::{Moments, Rng};
 use octolux::scene::{Bsdf, Scene};
@@ -61,7 +61,7 @@ impl<'a> Renderer<'a> {
         let mut rng = Rng::new(seed.wrapping_mul(0xD134_2543_DE82_EF95) ^ (u64::from(y) << 32 | u64::from(x)));
         let mut moments = [Moments::new(); 3];
         for _ in 0..spp {
-            let (o, d) = camera_ray(self.scene, f64::from(x) + rng.f64(), f64::from(y) + rng.f64());
+            let (o, d) = lens_ray(self.scene, f64::from(x) + rng.f64(), f64::from(y) + rng.f64(), &mut rng);
             let radiance = self.radiance(V3(o), V3(d), &mut rng);
             assert!(radiance.0.iter().all(|c| c.is_finite()), "the oracle itself: {radiance:?} in pixel ({x}, {y})");
             moments.iter_mut().zip(radiance.0).for_each(|(m, c)| m.push(c));
@@ -91,14 +91,37 @@ impl<'a> Renderer<'a> {
             if counted {
                 sum = sum + beta.times(self.sampled_light(&surface, bsdf, wo, rng));
             }
+            if !sides_agree(&surface, wo) {
+                break;
+            }
+            sum = sum + beta.times(self.delta_lights(&surface, bsdf, wo));
             let frame = Frame::about(surface.ns);
             let Some(sampled) = bsdf::sample(bsdf, frame.to_local(wo), rng) else { break };
             let wi = frame.to_world(sampled.wi);
-            if !sides_agree(&surface, wo, wi) {
+            if !sides_agree(&surface, wi) {
                 break;
             }
             beta = beta.times(sampled.weight);
             (o, d, t_min) = (surface.p, wi, self.geometry.t_min);
+        }
+        sum
+    }
+
+    /// Light from every light without extent, whatever the material: nothing else finds it.
+    fn delta_lights(&self, surface: &Surface, bsdf: &Bsdf, wo: V3) -> V3 {
+        let (frame, t_min) = (Frame::about(surface.ns), self.geometry.t_min);
+        let mut sum = V3::default();
+        for light in &self.scene.delta_lights {
+            let (wi, distance, arriving) = delta_light(light, surface.p);
+            if !sides_agree(surface, wi) {
+                continue;
+            }
+            let f_cos = V3(bsdf_eval(bsdf, frame.to_local(wo).0, frame.to_local(wi).0)).times(arriving);
+            if f_cos.max_component() > 0.0
+                && !self.geometry.occluded(surface.p, wi, t_min, distance.unwrap_or(f64::INFINITY))
+            {
+                sum = sum + f_cos;
+            }
         }
         sum
     }
@@ -111,7 +134,7 @@ impl<'a> Renderer<'a> {
         let wi = to * (1.0 / distance);
         let cos_light = -wi.dot(light.ng);
         let t_min = self.geometry.t_min;
-        if cos_light <= 0.0 || distance <= 2.0 * t_min || !sides_agree(surface, wo, wi) {
+        if cos_light <= 0.0 || distance <= 2.0 * t_min || !sides_agree(surface, wo) || !sides_agree(surface, wi) {
             return V3::default();
         }
         let frame = Frame::about(surface.ns);
@@ -123,8 +146,7 @@ impl<'a> Renderer<'a> {
     }
 }
 
-/// Do both normals call `wi` reflected, or both transmitted?
-fn sides_agree(surface: &Surface, wo: V3, wi: V3) -> bool {
-    let same_side = |n: V3| wo.dot(n) * wi.dot(n) > 0.0;
-    same_side(surface.ng) == same_side(surface.ns)
+/// Is `w` on the same side of both normals?
+fn sides_agree(surface: &Surface, w: V3) -> bool {
+    w.dot(surface.ng) * w.dot(surface.ns) > 0.0
 }

@@ -37,6 +37,8 @@ pub fn read_scene(dir: &Path) -> Scene {
             look_at: vec3(&camera["look_at"]),
             up: vec3(&camera["up"]),
             vfov: number(&camera["vfov"]),
+            lens_radius: 0.0,
+            focus_distance: 1.0,
         },
         film: FilmSize { width: size("width"), height: size("height") },
         integrator: Integrator {
@@ -45,6 +47,7 @@ pub fn read_scene(dir: &Path) -> Scene {
             max_depth: 1.0,
         },
         environment: file.get("environment").map(|e| Environment::Constant(vec3(&e["radiance"]))),
+        delta_lights: Vec::new(),
         mesh,
         spheres: spheres.collect(),
         materials: materials.collect(),

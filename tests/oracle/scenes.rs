@@ -13,7 +13,14 @@ pub const LAMBERT: fn(f32) -> Bsdf = |rho| Bsdf::Diffuse { reflectance: [rho; 3]
 
 impl SceneBuilder {
     pub fn new() -> Self {
-        let camera = Camera { position: [0.0; 3], look_at: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], vfov: 60.0 };
+        let camera = Camera {
+            position: [0.0; 3],
+            look_at: [0.0, 0.0, -1.0],
+            up: [0.0, 1.0, 0.0],
+            vfov: 60.0,
+            lens_radius: 0.0,
+            focus_distance: 1.0,
+        };
         SceneBuilder {
             scene: Scene {
                 name: "by hand".to_string(),
@@ -21,6 +28,7 @@ impl SceneBuilder {
                 film: FilmSize { width: 1, height: 1 },
                 integrator: Integrator { kind: IntegratorKind::Path, max_bounces: 1, max_depth: 1.0 },
                 environment: None,
+                delta_lights: Vec::new(),
                 mesh: Mesh::default(),
                 spheres: Vec::new(),
                 materials: Vec::new(),
@@ -33,7 +41,7 @@ impl SceneBuilder {
     pub fn camera(mut self, position: [f32; 3], look_at: [f32; 3], vfov: f32) -> Self {
         let along_y = (0..3).all(|i| i == 1 || position[i] == look_at[i]);
         let up = if along_y { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
-        self.scene.camera = Camera { position, look_at, up, vfov };
+        self.scene.camera = Camera { position, look_at, up, vfov, ..self.scene.camera };
         self
     }
 

@@ -84,7 +84,9 @@ fn closed_meshes_are_watertight() {
 fn environment_texels_are_where_the_format_says() {
     let (width, height) = (8, 4);
     let texels: Vec<[f32; 3]> = (0..32).map(|i| [i as f32, (i * i) as f32, 1.0]).collect();
-    let scene = SceneBuilder::new().environment(Environment::Image(EnvironmentImage { width, height, texels })).build();
+    let scene = SceneBuilder::new()
+        .environment(Environment::Image(EnvironmentImage { width, height, texels, rotation: 0.0 }))
+        .build();
     let towards = |u: f64, v: f64| {
         let (s, c) = (PI * v).sin_cos();
         environment_radiance(&scene, [s * (TAU * u).sin(), c, -s * (TAU * u).cos()])

@@ -121,7 +121,7 @@ fn sphere_lights_match() {
 fn environment_images_light_by_their_bilinear_function() {
     let (width, height) = (16, 8);
     let texels: Vec<_> = (0..width * height).map(|i| [(i / width) as f32 + 1.0, 1.0, (i % width) as f32]).collect();
-    let image = Environment::Image(EnvironmentImage { width, height, texels });
+    let image = Environment::Image(EnvironmentImage { width, height, texels, rotation: 0.0 });
     // A Lambert floor, normal +y, seen from above.
     let r = 1.0;
     let floor = [[-r, 0.0, r], [r, 0.0, r], [r, 0.0, -r], [-r, 0.0, -r]];

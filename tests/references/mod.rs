@@ -152,5 +152,5 @@ fn rows_of_the_reference(image: &EnvironmentImage) -> EnvironmentImage {
         })
     };
     let texels: Vec<[f32; 3]> = (0..height).flat_map(row).collect();
-    EnvironmentImage { width: image.width, height, texels }
+    EnvironmentImage { width: image.width, height, texels, rotation: image.rotation }
 }

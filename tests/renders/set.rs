@@ -1,7 +1,8 @@
 //! A scene under construction.
 
 use octolux::scene::{
-    Bsdf, Camera, Environment, FilmSize, Integrator, IntegratorKind, Material, Mesh, NO_NORMAL, Scene, Sphere,
+    Bsdf, Camera, DeltaLight, Environment, FilmSize, Integrator, IntegratorKind, Material, Mesh, NO_NORMAL, Scene,
+    Sphere,
 };
 
 pub type Point = [f64; 3];
@@ -22,6 +23,8 @@ impl Set {
             look_at: single(look_at),
             up: if upright { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] },
             vfov: vfov as f32,
+            lens_radius: 0.0,
+            focus_distance: 1.0,
         };
         let integrator = Integrator { kind: IntegratorKind::Path, max_bounces: 7, max_depth: 1.0 };
         let scene = Scene {
@@ -30,6 +33,7 @@ impl Set {
             film: FilmSize { width: side, height: side },
             integrator,
             environment: None,
+            delta_lights: Vec::new(),
             mesh: Mesh::default(),
             spheres: Vec::new(),
             materials: Vec::new(),
@@ -56,6 +60,17 @@ impl Set {
     /// Environment of radiance 1.
     pub fn uniform_light(self) -> Self {
         self.environment(Environment::Constant([1.0; 3]))
+    }
+
+    /// Adds a light without extent.
+    pub fn light(mut self, light: DeltaLight) -> Self {
+        self.scene.delta_lights.push(light);
+        self
+    }
+
+    pub fn lens(mut self, radius: f32, focus_distance: f32) -> Self {
+        (self.scene.camera.lens_radius, self.scene.camera.focus_distance) = (radius, focus_distance);
+        self
     }
 
     /// Returns the material's index.

@@ -42,11 +42,11 @@ fn syntax() {
 
 #[test]
 fn unknown_keys() {
-    refuses_after_camera("lens_radius = 0.1\n", 1, &["lens_radius", "vfov"]);
+    refuses_after_camera("lens_radios = 0.1\n", 1, &["lens_radios", "vfov"]);
     refuses_after_camera("[filmm]\n", 1, &["filmm", "film"]);
     refuses_after_camera("[film]\nwidth = 3\nheigth = 4\n", 3, &["heigth", "height"]);
-    refuses_after_camera("[environment]\nradiance = 1\nrotation = 5\n", 3, &["rotation"]);
-    refuses_after_camera("[[point_light]]\nposition = [0, 0, 0]\n", 1, &["point_light"]);
+    refuses_after_camera("[environment]\nradiance = 1\nrotated = 5\n", 3, &["rotated", "rotation"]);
+    refuses_after_camera("[[pointlight]]\nposition = [0, 0, 0]\n", 1, &["pointlight", "point_light"]);
     refuses_after_camera("[integrator]\nambient = [1, 1, 1]\n", 2, &["ambient"]);
     refuses_after_camera("[materials.a]\ntype = \"diffuse\"\nreflectance = 1\nopacity = \"a.png\"\n", 4, &["opacity"]);
     refuses_after_camera("[materials.a]\ntype = \"phong\"\n", 2, &["phong", "diffuse"]);
@@ -104,6 +104,28 @@ fn camera_values() {
 }
 
 #[test]
+fn lens_and_light_values() {
+    refuses_after_camera("lens_radius = -0.1\n", 1, &["lens_radius", "-0.1"]);
+    refuses_after_camera("focus_distance = 0\n", 1, &["focus_distance", "0"]);
+    refuses_after_camera("[environment]\nradiance = 1\nrotation = inf\n", 3, &["rotation", "inf"]);
+    let spot = |key: &str, value: &str| {
+        let lines = [("position", "[0, 1, 0]"), ("direction", "[0, -1, 0]"), ("intensity", "5"), ("angle", "30")];
+        let line = |(k, v): (&str, &str)| format!("{k} = {}\n", if k == key { value } else { v });
+        format!("[[spot_light]]\n{}", lines.map(line).concat())
+    };
+    refuses_after_camera(&spot("position", "[0, inf, 0]"), 2, &["position"]);
+    refuses_after_camera(&spot("direction", "[0, 0, 0]"), 3, &["direction", "zero"]);
+    refuses_after_camera(&spot("intensity", "-5"), 4, &["intensity", "-5"]);
+    for bad in ["0", "-3", "180.1", "nan"] {
+        refuses_after_camera(&spot("angle", bad), 5, &["angle", bad]);
+    }
+    refuses_after_camera("[[point_light]]\nposition = [0, 0, 0]\n", 1, &["intensity"]);
+    refuses_after_camera("[[directional_light]]\ndirection = [0, 0, 1]\nirradiance = -1\n", 3, &["irradiance", "-1"]);
+    refuses_after_camera("[[directional_light]]\ndirection = [0, 0, 1]\nintensity = 1\n", 3, &["intensity"]);
+    refuses_after_camera("[point_light]\nposition = [0, 0, 0]\nintensity = 1\n", 1, &["[[NAME]]"]);
+}
+
+#[test]
 fn film_and_integrator_values() {
     for bad in ["0", "-3", "65537", "9223372036854775807"] {
         refuses_after_camera(&format!("[film]\nwidth = 3\nheight = {bad}\n"), 3, &["height", bad]);
@@ -130,6 +152,20 @@ fn material_values() {
     }
     refuses_after_camera(&material("conductor", "eta = [0, 1, 1]\nk = 1"), 3, &["eta"]);
     refuses_after_camera(&material("conductor", "eta = 1\nk = [1, -1, 1]"), 4, &["`k`"]);
+    for bad in ["-1", "1.1e7", "inf", "nan"] {
+        let phong = format!("diffuse = 0.5\nspecular = 0.5\nexponent = {bad}");
+        refuses_after_camera(&material("phong", &phong), 5, &["exponent", bad]);
+    }
+    let two = "diffuse = [0.5, 0.2, 0]\nspecular = [0.4, 0.81, 0]\nexponent = 9";
+    refuses_after_camera(&material("phong", two), 4, &["diffuse", "specular", "more than 1"]);
+    for missing in ["diffuse", "specular", "exponent"] {
+        let keys = ["diffuse", "specular", "exponent"].into_iter().filter(|key| *key != missing);
+        let keys: Vec<String> = keys.map(|key| format!("{key} = 0.3")).collect();
+        refuses_after_camera(&material("phong", &keys.join("\n")), 2, &["phong", missing]);
+    }
+    refuses_after_camera(&material("coated", "ior = 1.5"), 2, &["coated", "reflectance"]);
+    refuses_after_camera(&material("coated", "reflectance = 0.5\nior = 0"), 4, &["ior"]);
+    refuses_after_camera(&material("coated", "reflectance = 0.5\nior = 1.5\nexponent = 3"), 5, &["coated", "exponent"]);
     refuses_after_camera(&material("dielectric", "ior = 1.5\nmasking = \"none\""), 4, &["none", "separable"]);
     for bad in ["[1, -1, 1]", "[1e39, 0, 0]", "inf"] {
         refuses_after_camera(&material("diffuse", &format!("reflectance = 0\nemission = {bad}")), 4, &["emission"]);

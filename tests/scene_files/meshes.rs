@@ -215,9 +215,20 @@ fn mtl_models() {
     assert_eq!(bsdf("Kd 1 .5 .25\nPm .5\nPr .5"), metal(0.25, gold));
     assert_eq!(bsdf("Kd 1 .5 .25\nPm 1"), metal(0.25, gold));
     let wall = Bsdf::Diffuse { reflectance: [1.0, 0.5, 0.25] };
-    for lines in ["Pm .4", "illum 2\nKs 1 1 1\nNs 10", "d .5", "Pr .3", "map_Kd a b.png", "illum 3 # mirror", "Tr 1"] {
+    for lines in
+        ["Pm .4", "Ks 1 1 1\nNs 0", "Ks 1 1 1\nNs -2", "Ks 0 0 0\nNs 9", "Ks 1 0 0\nNs 9", "d .5", "map_Kd a b.png"]
+    {
         assert_eq!(bsdf(&format!("Kd 1 .5 .25\n{lines}")), wall, "{lines}");
     }
+    for lines in ["illum 3 # mirror", "Tr 1", "Ks 1 1 1"] {
+        assert_eq!(bsdf(&format!("Kd 1 .5 .25\n{lines}")), wall, "{lines}");
+    }
+    let shiny = |specular, exponent| Bsdf::Phong { diffuse: [1.0, 0.5, 0.25], specular, exponent };
+    assert_eq!(bsdf("Kd 1 .5 .25\nillum 2\nKs 1 .25 .5\nNs 10"), shiny([0.0, 0.25, 0.5], 10.0));
+    assert_eq!(bsdf("Kd 1 .5 .25\nKs 3 3 3\nNs 1e9"), shiny([0.0, 0.5, 0.75], 1e7));
+    let coat = |alpha, ior| Bsdf::Coated { reflectance: [1.0, 0.5, 0.25], alpha, masking: Masking::Correlated, ior };
+    assert_eq!(bsdf("Kd 1 .5 .25\nPr .5\nKs 1 1 1\nNs 10"), coat(0.25, 1.5));
+    assert_eq!(bsdf("Kd 1 .5 .25\nPm .4\nPr 0\nNi 1.25"), coat(0.0, 1.25));
     assert_eq!(bsdf("illum 2"), Bsdf::Diffuse { reflectance: [0.8; 3] });
 }
 
