@@ -144,19 +144,23 @@ pub fn ln<R: Real>(x: R) -> R {
     R::select(x.ge(R::zero()), result, R::splat(f32::NAN))
 }
 
-/// ln(1 + x): ≤ 4 ulp for x in (−1, 1), also where 1 + x rounds to 1; −1 → −∞, below it NaN (Kahan; Higham 2002, § 1.14.1).
+/// ln(1 + x): ≤ 4 ulp, also where 1 + x rounds to 1 (Kahan; Higham 2002, § 1.14.1). −1 → −∞, below it or NaN → NaN.
 #[inline(always)]
 pub fn ln_1p<R: Real>(x: R) -> R {
     let sum = R::one() + x;
     let rounded = sum - R::one();
-    // What ln gains by the rounding of the sum, the quotient takes back.
-    R::select(rounded.eq(R::zero()), x, ln(sum) * (x / rounded))
+    // What ln gains by the rounding of the sum, the quotient takes back; for large x there is nothing to take back.
+    let ln_sum = ln(sum);
+    let corrected = R::select(x.gt(R::splat(1e9)), ln_sum, ln_sum * (x / rounded));
+    R::select(rounded.eq(R::zero()), x, corrected)
 }
 
-/// e^x − 1: ≤ 4 ulp for x in [−16, 1], also where e^x rounds to 1 (Kahan; Higham 2002, § 1.14.1).
+/// e^x − 1: ≤ 4 ulp, also where e^x rounds to 1 (Kahan; Higham 2002, § 1.14.1).
 #[inline(always)]
 pub fn exp_m1<R: Real>(x: R) -> R {
     let power = exp(x);
     let rounded = power - R::one();
-    R::select(rounded.eq(R::zero()), x, rounded * (x / ln(power)))
+    // Far from 0 the difference does not cancel.
+    let corrected = R::select(x.abs().gt(R::one()), rounded, rounded * (x / ln(power)));
+    R::select(rounded.eq(R::zero()), x, corrected)
 }

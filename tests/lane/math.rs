@@ -84,39 +84,3 @@ fn the_same_bits_at_every_width() {
     }));
     assert_same_bits(&All, &rows);
 }
-
-/// Both ends, and through the middle by logarithm.
-fn exponents(signs: &[f32], least: i32, most: f32) -> impl Iterator<Item = f32> {
-    let steps = 2_000_000;
-    let lowest = f64::from(least);
-    let values = (0..=steps).map(move |k| {
-        let power = lowest + (f64::from(most).log2() - lowest) * f64::from(k) / f64::from(steps);
-        (power.exp2() as f32).min(most)
-    });
-    signs.to_vec().into_iter().flat_map(move |sign| values.clone().map(move |x| sign * x))
-}
-
-#[test]
-fn ln_1p_keeps_its_digits_near_zero() {
-    let mut worst = Worst::new();
-    sweep(exponents(&[1.0, -1.0], -60, 1f32.next_down()), |block| {
-        let found = math::ln_1p(f32x16::load(&block));
-        block.iter().enumerate().for_each(|(i, &x)| worst.see(found.lane(i), f64::from(x).ln_1p(), x));
-    });
-    println!("ln_1p: {worst:?}");
-    assert!(worst.error <= 4.0);
-    assert_eq!((math::ln_1p(0f32), math::ln_1p(-1f32)), (0.0, f32::NEG_INFINITY));
-    assert!(math::ln_1p(-1.5f32).is_nan());
-}
-
-#[test]
-fn exp_m1_keeps_its_digits_near_zero() {
-    let mut worst = Worst::new();
-    sweep(exponents(&[-1.0], -60, 16.0).chain(exponents(&[1.0], -60, 1.0)), |block| {
-        let found = math::exp_m1(f32x16::load(&block));
-        block.iter().enumerate().for_each(|(i, &x)| worst.see(found.lane(i), f64::from(x).exp_m1(), x));
-    });
-    println!("exp_m1: {worst:?}");
-    assert!(worst.error <= 4.0);
-    assert_eq!(math::exp_m1(0f32), 0.0);
-}

@@ -39,6 +39,8 @@ macro_rules! unary {
 
 unary!(Exp, "exp", 1.1, math::exp::<R>, exp);
 unary!(Ln, "ln", 1.0, math::ln::<R>, f64::ln);
+unary!(Ln1p, "ln(1 + x)", 4.0, math::ln_1p::<R>, f64::ln_1p);
+unary!(ExpM1, "exp(x) - 1", 4.0, math::exp_m1::<R>, f64::exp_m1);
 unary!(Atan, "atan2(x, 1)", 2.0, |x| math::atan2(x, R::one()), f64::atan);
 unary!(Acot, "atan2(1, x)", 2.0, |x| math::atan2(R::one(), x), |x| 1f64.atan2(x));
 unary!(Sqrt, "sqrt", CORRECTLY_ROUNDED, R::sqrt, f64::sqrt);

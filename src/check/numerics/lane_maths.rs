@@ -18,6 +18,8 @@ pub fn rows(effort: Effort) -> Vec<Row> {
         sweep::<Acot>(effort),
         sweep::<Exp>(effort),
         sweep::<Ln>(effort),
+        sweep::<Ln1p>(effort),
+        sweep::<ExpM1>(effort),
         sweep::<Sqrt>(effort),
         sweep::<Recip>(effort),
         sweep::<Round>(effort),
