@@ -17,6 +17,8 @@ pub enum CliError {
     #[error(transparent)]
     BenchRays(#[from] crate::report::bench_rays::BenchRaysError),
     #[error(transparent)]
+    State(#[from] crate::render::StateError),
+    #[error(transparent)]
     Light(#[from] crate::light::LightError),
     #[error("{path}: cannot write: {source}; choose another path", path = .path.display())]
     Write { path: PathBuf, source: std::io::Error },

@@ -5,9 +5,13 @@ mod check;
 mod check_numerics;
 mod converge;
 mod error;
+mod keeper;
+mod merge;
 mod render;
 mod replay;
 mod scene_args;
+mod state_args;
+mod targets;
 mod variants;
 
 pub use error::CliError;
@@ -27,6 +31,8 @@ struct Cli {
 enum Command {
     /// Render a scene file or a bare OBJ model
     Render(render::RenderArgs),
+    /// Make one image of states rendered in parts, bit for bit as if rendered at once
+    Merge(merge::MergeArgs),
     /// Compare two EXR images: RMSE, relMSE, mean ratio, z-scores
     Compare(crate::report::CompareArgs),
     /// Prove on a scene that lane width, threads, tiles and specialisation leave no trace in the bits; or with
@@ -48,6 +54,7 @@ pub fn run() -> ExitCode {
     log_to_stderr();
     let result = match Cli::parse().command {
         Command::Render(args) => render::run(&args),
+        Command::Merge(args) => merge::run(&args),
         Command::Compare(args) => crate::report::compare_command(&args).map_err(CliError::from),
         Command::Check(args) => check::run(&args),
         Command::Replay(args) => replay::run(&args),

@@ -1,11 +1,13 @@
 //! `octolux render`: scene in, image out.
 
 use super::CliError;
+use super::keeper::Keeper;
 use super::scene_args::{MachineArgs, SceneArgs};
-use crate::film::{self, Attribute, Film, VarianceValidity};
+use super::state_args::StateArgs;
+use super::targets::{ImageArgs, check_folders, default_exr, write_json};
 use crate::kernel::World;
 use crate::plan::Force;
-use crate::render::{self, Budget, Options, Outcome, Progress, StoppedBy, Summary, Times, interrupt};
+use crate::render::{self, Budget, Options, Progress, Summary, Times, interrupt};
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -22,22 +24,18 @@ pub struct RenderArgs {
     scene: SceneArgs,
     #[command(flatten)]
     machine: MachineArgs,
-    /// EXR image: R G B, variance.R/G/B, metadata [default: the scene's name, unless --png is given]
-    #[arg(short, long, value_name = "FILE.exr")]
-    output: Option<PathBuf>,
-    /// 8-bit PNG preview, exposed and sRGB-encoded
-    #[arg(long, value_name = "FILE.png")]
-    png: Option<PathBuf>,
-    /// Exposure of the PNG in stops
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
-    exposure: f32,
+    #[command(flatten)]
+    images: ImageArgs,
+    #[command(flatten)]
+    state: StateArgs,
     /// Report as JSON; `-` writes it to standard output
     #[arg(long, value_name = "FILE|-")]
     json: Option<PathBuf>,
-    /// Stop after this many samples a pixel [default: 64, if no other limit is given]
+    /// Stop once every pixel has this many samples [default: 64, if no other limit is given]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=render::budget::MAX_SAMPLES))]
     spp: Option<u64>,
-    /// Stop so that the image is written this many seconds after the process started
+    /// Stop so that the image is written this many seconds after the process started (if one sample a pixel takes over
+    /// 5 % of that, at most so much later)
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     time: Option<f64>,
     /// Stop once the estimated relative error √(mean var/(mean² + 0.01)) is at most this
@@ -82,7 +80,7 @@ impl RenderArgs {
 
 pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     interrupt::listen();
-    let targets = Targets::new(args)?;
+    let images = images(args)?;
     let (scene, mut world, mut times) = args.world()?;
     if !args.quiet {
         scene.assumptions.iter().for_each(|line| eprintln!("assumed: {line}"));
@@ -92,30 +90,55 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     }
     let threads = args.threads();
     let pool = render::thread_pool(threads)?;
-    let budget = Budget { samples: args.spp, seconds: args.time, error: args.error };
-    let mut options = args.options(&world, budget, targets.predicted_seconds(&world, args.aovs));
-    if options.budget == Budget::default() {
-        options.budget.samples = Some(DEFAULT_SAMPLES);
-    }
+    let pixels = f64::from(world.film.width) * f64::from(world.film.height);
+    let mut options = args.options(&world, budget(args)?, images.guessed_seconds(pixels, args.aovs));
+    let (head, film) = args.state.begin(&scene, &world, &options)?;
     if args.unbiased {
         times.pilot = choose_samples(&mut world, &mut options, &pool);
     }
     let mut progress = if args.quiet { Progress::quiet() } else { Progress::new(options.budget) };
-    let outcome = render::render(&world, &options, &pool, &mut progress);
+    let held = film.samples();
+    let mut keeper = Keeper::new(&images, args.state.file(), args.state.save_every(), &pool, head);
+    let outcome = render::render_on(film, &world, &options, &pool, &mut progress, &mut keeper);
     progress.finish();
     let mut summary = Summary::new(&scene.name, &world, &options, threads, &outcome, times);
-    let start = Instant::now();
-    if outcome.counters.camera_rays == 0 {
+    summary.resumed_samples = held;
+    if outcome.counters.camera_rays == 0 && held == 0 {
         eprintln!("interrupted before the first sample; nothing was written");
         return Ok(true);
     }
-    pool.install(|| targets.write_images(&outcome, &summary, args.exposure))?;
+    let start = Instant::now();
+    keeper.finish(&outcome)?;
     summary.finish(start.elapsed().as_secs_f64());
-    targets.write_json(&summary)?;
+    write_json(&summary, args.json.as_deref())?;
     if !args.quiet {
         eprint!("{summary}");
     }
     Ok(true)
+}
+
+/// The images to write; folders and states are looked at before anything is rendered.
+fn images(args: &RenderArgs) -> Result<ImageArgs, CliError> {
+    let mut images = args.images.clone();
+    if images.files().next().is_none() {
+        images.output = Some(default_exr(&args.scene.scene));
+    }
+    let report = args.json.as_deref().filter(|path| *path != Path::new("-"));
+    check_folders(images.files().chain(report).chain(args.state.file()))?;
+    args.state.check()?;
+    Ok(images)
+}
+
+fn budget(args: &RenderArgs) -> Result<Budget, CliError> {
+    let samples = args.spp.or(args.state.count());
+    let budget = Budget { samples, seconds: args.time, error: args.error };
+    match budget == Budget::default() {
+        false => Ok(budget),
+        true if args.state.resumes() => {
+            Err(CliError::Usage("how far should it go on? give --spp N (samples in all), --time or --error".into()))
+        }
+        true => Ok(Budget { samples: Some(DEFAULT_SAMPLES), ..budget }),
+    }
 }
 
 /// Two-stage sampling: a pilot with a seed of its own says how many samples the error target needs; its samples are
@@ -136,91 +159,4 @@ fn choose_samples(world: &mut World, options: &mut Options, pool: &rayon::Thread
         options.budget.samples = Some(options.budget.samples.map_or(needed, |n| n.min(needed)));
     }
     pilot.render_seconds
-}
-
-/// Where results go. Checked before anything is rendered.
-struct Targets<'a> {
-    exr: Option<PathBuf>,
-    png: Option<&'a Path>,
-    json: Option<&'a Path>,
-}
-
-impl<'a> Targets<'a> {
-    fn new(args: &'a RenderArgs) -> Result<Self, CliError> {
-        let stem = || {
-            let path = &args.scene.scene;
-            let named_scene = path.file_stem().is_some_and(|s| s == "scene");
-            let folder = path.parent().and_then(Path::file_name).filter(|_| named_scene);
-            PathBuf::from(folder.or(path.file_stem()).unwrap_or("image".as_ref())).with_added_extension("exr")
-        };
-        let exr = args.output.clone().or_else(|| args.png.is_none().then(stem));
-        let targets = Targets { exr, png: args.png.as_deref(), json: args.json.as_deref() };
-        let files = [targets.exr.as_deref(), targets.png, targets.json.filter(|p| *p != Path::new("-"))];
-        for path in files.into_iter().flatten() {
-            let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-            if !folder.is_dir() {
-                return Err(CliError::Usage(format!(
-                    "{}: there is no folder {}; create it",
-                    path.display(),
-                    folder.display()
-                )));
-            }
-        }
-        Ok(targets)
-    }
-
-    /// Measured on two cores: about 150 MB/s of EXR, 60 MB/s of PNG, and a few milliseconds for each file.
-    fn predicted_seconds(&self, world: &World, aovs: bool) -> f64 {
-        let pixels = world.film.width as f64 * world.film.height as f64;
-        let exr = self.exr.as_ref().map_or(0.0, |_| 0.003 + pixels * if aovs { 52.0 } else { 24.0 } / 150e6);
-        let png = self.png.map_or(0.0, |_| 0.003 + pixels * 3.0 / 60e6);
-        exr + png
-    }
-
-    fn write_images(&self, outcome: &Outcome, summary: &Summary, exposure: f32) -> Result<(), CliError> {
-        let film = &outcome.film;
-        if let Some(path) = &self.exr {
-            film::write_exr(film, path, &attributes(film, summary), validity(outcome.stopped_by))?;
-        }
-        if let Some(path) = self.png {
-            film::write_png(film, path, exposure)?;
-        }
-        Ok(())
-    }
-
-    fn write_json(&self, summary: &Summary) -> Result<(), CliError> {
-        let Some(path) = self.json else { return Ok(()) };
-        // Numbers, strings and lists: nothing that JSON cannot hold.
-        let text = serde_json::to_string_pretty(summary).map_err(|e| CliError::Usage(e.to_string()))? + "\n";
-        if path == Path::new("-") {
-            print!("{text}");
-            return Ok(());
-        }
-        film::beside::write_beside(path, |file| std::io::Write::write_all(file, text.as_bytes()))?;
-        Ok(())
-    }
-}
-
-fn validity(stopped_by: StoppedBy) -> VarianceValidity {
-    match stopped_by {
-        StoppedBy::Error => VarianceValidity::Stopped,
-        _ => VarianceValidity::Independent,
-    }
-}
-
-fn attributes(film: &Film, summary: &Summary) -> Vec<(String, Attribute)> {
-    let text = |s: &str| Attribute::Text(s.to_string());
-    [
-        ("octolux.version", text(summary.version)),
-        ("octolux.scene", text(&summary.scene)),
-        ("octolux.samples", Attribute::Integer(film.samples())),
-        ("octolux.render_seconds", Attribute::Float(summary.render_seconds as f32)),
-        ("octolux.seed", Attribute::Integer(summary.seed)),
-        ("octolux.stopped_by", text(&format!("{:?}", summary.stopped_by).to_lowercase())),
-        ("octolux.claim", text(summary.claim)),
-        ("octolux.discarded_samples", Attribute::Integer(summary.discarded_samples)),
-        ("octolux.cpu_features", text(&summary.cpu_features.join(" "))),
-    ]
-    .map(|(name, value)| (name.to_string(), value))
-    .to_vec()
 }

@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -18,22 +18,47 @@ pub fn write_beside<E: ToString>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
 ) -> Result<(), FilmError> {
+    replace(path, false, write)
+}
+
+/// The same, and on the disk itself before the old file goes: a power cut, too, leaves the old or the new one.
+///
+/// # Errors
+/// As [`write_beside`].
+pub fn write_durably<E: ToString>(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
+) -> Result<(), FilmError> {
+    replace(path, true, write)
+}
+
+fn replace<E: ToString>(
+    path: &Path,
+    durable: bool,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
+) -> Result<(), FilmError> {
     let existing = fs::metadata(path).ok();
     if existing.as_ref().is_some_and(fs::Metadata::is_dir) {
         return Err(FilmError::write(path, "it is a folder"));
     }
     if existing.as_ref().is_some_and(|meta| !meta.is_file()) {
         let file = OpenOptions::new().write(true).open(path).map_err(|error| FilmError::write(path, error))?;
-        return run(path, file, write);
+        return run(path, file, write).map(drop);
     }
     // A link keeps pointing where it did: its target is what is replaced.
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let (beside, file) = create_beside(&target).map_err(|error| FilmError::write(path, error))?;
-    let written = run(path, file, write).and_then(|()| {
+    let written = run(path, file, write).and_then(|file| {
+        if durable {
+            file.sync_all().map_err(|error| FilmError::write(path, error))?;
+        }
         if let Some(meta) = existing {
             fs::set_permissions(&beside, meta.permissions()).map_err(|error| FilmError::write(path, error))?;
         }
-        fs::rename(&beside, &target).map_err(|error| FilmError::write(path, error))
+        fs::rename(&beside, &target).map_err(|error| FilmError::write(path, error))?;
+        // The name is in the folder, which not every system lets one open and sync: then its own habits serve.
+        let folder = target.parent().filter(|_| durable).and_then(|folder| File::open(folder).ok());
+        folder.map_or(Ok(()), |folder| folder.sync_all().or(Ok(())))
     });
     if written.is_err() {
         // The first error is the one worth reporting.
@@ -46,10 +71,10 @@ fn run<E: ToString>(
     path: &Path,
     file: File,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
-) -> Result<(), FilmError> {
+) -> Result<File, FilmError> {
     let mut buffered = BufWriter::with_capacity(1 << 16, file);
     write(&mut buffered).map_err(|error| FilmError::write(path, error))?;
-    buffered.flush().map_err(|error| FilmError::write(path, error))
+    buffered.into_inner().map_err(|error| FilmError::write(path, error.error()))
 }
 
 /// A new file `.NAME.PID-COUNT.part`: unique among threads and processes, and recognisable if one is ever left.

@@ -13,10 +13,10 @@ pub const BLOCK: u64 = 64;
 
 /// Sums of `2^level` adjacent blocks, for every pixel of a tile.
 #[derive(Clone, Debug, PartialEq)]
-struct Node {
-    level: u32,
-    index: u64,
-    sums: Vec<f64>,
+pub(crate) struct Node {
+    pub level: u32,
+    pub index: u64,
+    pub sums: Vec<f64>,
 }
 
 impl Node {
@@ -36,7 +36,7 @@ impl Node {
 /// Disjoint dyadic nodes in increasing block order, no two of them siblings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct BlockTree {
-    nodes: Vec<Node>,
+    pub nodes: Vec<Node>,
 }
 
 impl BlockTree {
@@ -45,6 +45,15 @@ impl BlockTree {
         debug_assert!(self.end_block().is_none_or(|end| end <= block));
         self.nodes.push(Node { level: 0, index: block, sums });
         self.merge_siblings_at_end();
+    }
+
+    /// Adds a node as it was in another tree: one that lies after all nodes held and is no sibling of the last. `None`
+    /// if it is neither or no sample number can be that high.
+    pub fn append(&mut self, node: Node) -> Option<()> {
+        let end = node.index.checked_add(1).filter(|_| node.level < 32)?.checked_mul(1 << node.level)?;
+        let after = self.nodes.last().is_none_or(|last| last.end_block() <= node.first_block());
+        let sibling = self.nodes.last().is_some_and(|last| last.is_left_sibling_of(&node));
+        (after && !sibling && end <= 1 << 32).then(|| self.nodes.push(node))
     }
 
     /// Takes over the nodes of another tree.

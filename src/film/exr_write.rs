@@ -3,7 +3,9 @@
 //! Channels: `R G B`; `variance.R/G/B` = s²/n where every pixel has two samples or more; with AOVs `albedo.R/G/B`,
 //! `N.X/Y/Z` and `Z`. Extra channels live inside the one part (`Layer.R`), as several readers cannot open others.
 
+use std::io::{Cursor, Seek, Write};
 use std::path::Path;
+use std::time::Instant;
 
 use exr::block::writer::ChunksWriter;
 use exr::block::{BlockIndex, UncompressedBlock};
@@ -42,36 +44,54 @@ pub fn write_exr(
     attributes: &[(String, Attribute)],
     validity: VarianceValidity,
 ) -> Result<(), FilmError> {
+    let names = channel_names(film);
     let with_variance = film.samples() >= 2;
-    let with_aovs = film.channels() == FilmChannels::ColourAndAovs;
-    let mut names = COLOUR.to_vec();
-    names.extend(VARIANCE.iter().filter(|_| with_variance));
-    names.extend(AOVS.iter().filter(|_| with_aovs));
-
     let mut attributes = attributes.to_vec();
     let validity = if with_variance { validity.text() } else { "absent: one sample has no variance" };
     attributes.push((VARIANCE_VALIDITY.to_owned(), validity.into()));
-
     let size = (film.width() as usize, film.height() as usize);
-    write_rows(path, size, &names, &attributes, |y, planes| {
-        for x in 0..film.width() {
-            let pixel = film.pixel(x, y as u32);
-            let mut values = pixel
-                .mean()
-                .into_iter()
-                .chain(pixel.variance_of_mean().filter(|_| with_variance).into_iter().flatten());
-            let mut place = x as usize;
-            let mut put = |value: f64| {
-                planes[place] = to_f32(value);
-                place += size.0;
-            };
-            values.by_ref().for_each(&mut put);
-            if let Some(aovs) = pixel.aovs() {
-                aovs.albedo.into_iter().chain(aovs.normal).for_each(&mut put);
-                put(aovs.depth);
-            }
+    write_rows(path, size, &names, &attributes, |y, planes| fill_row(film, with_variance, y, planes))
+}
+
+/// Seconds and bytes of encoding the uppermost `rows` rows of the film in the current rayon pool: a measure of what
+/// [`write_exr`] will take.
+pub fn trial(film: &Film, rows: u32) -> (f64, usize) {
+    let start = Instant::now();
+    let (names, with_variance) = (channel_names(film), film.samples() >= 2);
+    let mut sink = Cursor::new(Vec::new());
+    let size = (film.width() as usize, rows.min(film.height()) as usize);
+    let header = header(size, sorted(&names).iter().map(|&c| names[c]), &[]);
+    // What fails here fails again, and is reported, when the file is written.
+    let _ = header.map(|h| encode(&mut sink, h, size.0, &names, |y, planes| fill_row(film, with_variance, y, planes)));
+    (start.elapsed().as_secs_f64(), sink.into_inner().len())
+}
+
+fn channel_names(film: &Film) -> Vec<&'static str> {
+    let with_aovs = film.channels() == FilmChannels::ColourAndAovs;
+    let mut names = COLOUR.to_vec();
+    names.extend(VARIANCE.iter().filter(|_| film.samples() >= 2));
+    names.extend(AOVS.iter().filter(|_| with_aovs));
+    names
+}
+
+/// Row `y` in the order of [`channel_names`].
+fn fill_row(film: &Film, with_variance: bool, y: usize, planes: &mut [f32]) {
+    let width = film.width() as usize;
+    for x in 0..film.width() {
+        let pixel = film.pixel(x, y as u32);
+        let mut values =
+            pixel.mean().into_iter().chain(pixel.variance_of_mean().filter(|_| with_variance).into_iter().flatten());
+        let mut place = x as usize;
+        let mut put = |value: f64| {
+            planes[place] = to_f32(value);
+            place += width;
+        };
+        values.by_ref().for_each(&mut put);
+        if let Some(aovs) = pixel.aovs() {
+            aovs.albedo.into_iter().chain(aovs.normal).for_each(&mut put);
+            put(aovs.depth);
         }
-    })
+    }
 }
 
 /// Rounds; what is too large for f32 (a variance can be) becomes the largest, so that no file holds an infinity.
@@ -91,12 +111,26 @@ pub fn write_rows(
     attributes: &[(String, Attribute)],
     row: impl Fn(usize, &mut [f32]) + Sync,
 ) -> Result<(), FilmError> {
-    // The format wants channels sorted by name.
+    let header = header((width, height), sorted(names).iter().map(|&c| names[c]), attributes)
+        .map_err(|why| FilmError::write(path, why))?;
+    write_beside(path, |file| encode(file, header, width, names, row))
+}
+
+/// The format wants channels sorted by name.
+fn sorted(names: &[&str]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..names.len()).collect();
     order.sort_by_key(|&c| names[c]);
-    let header = header((width, height), order.iter().map(|&c| names[c]), attributes)
-        .map_err(|why| FilmError::write(path, why))?;
+    order
+}
 
+fn encode(
+    file: impl Write + Seek,
+    header: Header,
+    width: usize,
+    names: &[&str],
+    row: impl Fn(usize, &mut [f32]) + Sync,
+) -> exr::error::UnitResult {
+    let order = sorted(names);
     let form_block = |index: BlockIndex| {
         let mut planes = vec![0.0f32; names.len() * width];
         let mut data = Vec::with_capacity(index.pixel_size.area() * names.len() * size_of::<f32>());
@@ -109,21 +143,18 @@ pub fn write_rows(
         }
         UncompressedBlock { index, data }
     };
-
-    write_beside(path, |file| {
-        exr::block::write(file, SmallVec::from_iter([header]), true, |meta, chunks| {
-            let blocks: Vec<_> = meta.enumerate_ordered_header_block_indices().collect();
-            for batch in blocks.chunks(BLOCKS_IN_FLIGHT) {
-                let formed: Vec<_> = batch
-                    .par_iter()
-                    .map(|&(place, index)| (place, form_block(index).compress_to_chunk(&meta.headers)))
-                    .collect();
-                for (place, chunk) in formed {
-                    chunks.write_chunk(place, chunk?)?;
-                }
+    exr::block::write(file, SmallVec::from_iter([header]), true, |meta, chunks| {
+        let blocks: Vec<_> = meta.enumerate_ordered_header_block_indices().collect();
+        for batch in blocks.chunks(BLOCKS_IN_FLIGHT) {
+            let formed: Vec<_> = batch
+                .par_iter()
+                .map(|&(place, index)| (place, form_block(index).compress_to_chunk(&meta.headers)))
+                .collect();
+            for (place, chunk) in formed {
+                chunks.write_chunk(place, chunk?)?;
             }
-            Ok(())
-        })
+        }
+        Ok(())
     })
 }
 

@@ -9,6 +9,8 @@
 
 pub mod beside;
 pub mod blocks;
+pub mod checksum;
+pub mod codec;
 pub mod discarded;
 pub mod error;
 pub mod exr_read;

@@ -1,7 +1,9 @@
 //! 8-bit PNG previews: exposure, then the sRGB curve.
 
+use std::io::Write;
 use std::path::Path;
 use std::sync::LazyLock;
+use std::time::Instant;
 
 use rayon::prelude::*;
 
@@ -42,20 +44,38 @@ pub fn write_with(
     (width, height): (u32, u32),
     colour: impl Fn(u32, u32) -> [u8; 3] + Sync,
 ) -> Result<(), FilmError> {
+    write_beside(path, |file| encode(file, (width, height), colour))
+}
+
+/// Seconds and bytes of encoding the uppermost `rows` rows in the current rayon pool: a measure of what [`write_png`]
+/// will take.
+pub fn trial(film: &Film, rows: u32, exposure: f32) -> (f64, usize) {
+    let start = Instant::now();
+    let factor = f64::from(exposure).exp2();
+    let mut sink = Vec::new();
+    let colour = |x, y| film.mean(x, y).map(|value| srgb8(value * factor));
+    // What fails here fails again, and is reported, when the file is written.
+    let _ = encode(&mut sink, (film.width(), rows.min(film.height())), colour);
+    (start.elapsed().as_secs_f64(), sink.len())
+}
+
+fn encode(
+    file: impl Write,
+    (width, height): (u32, u32),
+    colour: impl Fn(u32, u32) -> [u8; 3] + Sync,
+) -> Result<(), png::EncodingError> {
     let mut bytes = vec![0u8; 3 * width as usize * height as usize];
     bytes.par_chunks_mut(3 * (width as usize).max(1)).enumerate().for_each(|(y, row)| {
         for (pixel, x) in row.chunks_exact_mut(3).zip(0u32..) {
             pixel.copy_from_slice(&colour(x, y as u32));
         }
     });
-    write_beside(path, |file| {
-        let mut encoder = png::Encoder::new(file, width, height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
-        encoder.set_compression(png::Compression::Fast);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&bytes)?;
-        writer.finish()
-    })
+    let mut encoder = png::Encoder::new(file, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+    encoder.set_compression(png::Compression::Fast);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&bytes)?;
+    writer.finish()
 }

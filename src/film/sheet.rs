@@ -45,6 +45,11 @@ impl Film {
         self.channels
     }
 
+    /// Side of a tile in pixels.
+    pub fn tile_side(&self) -> u32 {
+        self.tile
+    }
+
     /// Tiles row by row from the top left.
     pub fn tiles(&self) -> &[TileFilm] {
         &self.tiles
@@ -58,6 +63,11 @@ impl Film {
     /// Samples that every pixel has at least: all of them have it between passes.
     pub fn samples(&self) -> u64 {
         self.tiles.iter().map(TileFilm::samples).min().unwrap_or(0)
+    }
+
+    /// The number of the next sample of the pixels that have least.
+    pub fn next_sample(&self) -> u64 {
+        self.tiles.iter().map(TileFilm::next_sample).min().unwrap_or(0)
     }
 
     /// Sums of the pixel in column `x < width`, row `y < height`.

@@ -31,11 +31,11 @@ impl Rect {
 pub struct TileFilm {
     rect: Rect,
     channels: FilmChannels,
-    whole: BlockTree,
-    /// Sums of the block that holds `next_sample`, pixel after pixel; empty (not allocated) at a block's start.
-    partial: Vec<f64>,
-    next_sample: u64,
-    discarded: Discarded,
+    pub(super) whole: BlockTree,
+    /// Sums of the block that holds `next_sample`, pixel after pixel; at a block's start zeros, or not allocated.
+    pub(super) partial: Vec<f64>,
+    pub(super) next_sample: u64,
+    pub(super) discarded: Discarded,
 }
 
 impl TileFilm {
@@ -140,7 +140,7 @@ impl TileFilm {
         self.refuse_unfinished_inner_block(&other)?;
         other.refuse_unfinished_inner_block(self)?;
         self.whole.absorb(other.whole)?;
-        if self.partial.is_empty() {
+        if !self.is_inside_block() {
             self.partial = other.partial;
         }
         self.next_sample = self.next_sample.max(other.next_sample);
@@ -151,17 +151,27 @@ impl TileFilm {
     /// An unfinished block must come after all that `other` holds, or the order of additions would not be the one of
     /// a single render.
     fn refuse_unfinished_inner_block(&self, other: &Self) -> Result<(), MergeError> {
-        if self.partial.is_empty() {
+        if !self.is_inside_block() {
             return Ok(());
         }
         let block = self.next_sample / BLOCK;
         let first_sample = block * BLOCK;
-        let other_partial = (!other.partial.is_empty()).then_some(other.next_sample / BLOCK);
+        let other_partial = other.is_inside_block().then_some(other.next_sample / BLOCK);
         if other_partial == Some(block) || other.whole.contains(block) {
             return Err(MergeError::Overlap { first_sample });
         }
         let later = other.whole.end_block().is_some_and(|end| end > block) || other_partial.is_some_and(|b| b > block);
         if later { Err(MergeError::UnfinishedBlock { first_sample }) } else { Ok(()) }
+    }
+
+    /// Has a block been begun and not finished?
+    pub(super) fn is_inside_block(&self) -> bool {
+        !self.next_sample.is_multiple_of(BLOCK)
+    }
+
+    /// Makes room for the next sample, so that adding it does not wait for memory.
+    pub fn begin(&mut self) {
+        self.begin_block_if_none();
     }
 
     fn begin_block_if_none(&mut self) {

@@ -80,7 +80,7 @@ pub fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
 }
 
 /// Rays traced and lanes used.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Counters {
     pub camera_rays: u64,
     pub bounce_rays: u64,

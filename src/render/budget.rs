@@ -1,7 +1,8 @@
 //! When to stop, and how many samples a pass takes.
 //!
 //! Passes after calibration are equal, so stopping on the clock between completed passes is biased by
-//! O(1/passes) at most (Glynn & Heidelberger 1990). Calibration is the ramp 1, 1, 2, 4 … up to the pass size.
+//! O(1/passes) at most (Glynn & Heidelberger 1990). Calibration is the ramp 1, 1, 2, 4 … up to the pass size; a resumed
+//! render climbs it anew from where it stands.
 
 use crate::film::BLOCK;
 
@@ -17,16 +18,26 @@ pub struct Budget {
 }
 
 /// Which limit stopped a render.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum StoppedBy {
     Samples,
+    Interrupt,
     Time,
     Error,
-    Interrupt,
 }
 
 impl StoppedBy {
+    /// Of samples of which some were stopped by this and some by `other`: what can be claimed least of.
+    pub fn with(self, other: StoppedBy) -> StoppedBy {
+        self.max(other)
+    }
+
+    /// Of a render that `self` has stopped after one that `before` had: a fixed count forgets how often it was halted.
+    pub fn after(self, before: StoppedBy) -> StoppedBy {
+        if self == StoppedBy::Samples { self } else { self.with(before) }
+    }
+
     /// What this says about the estimate's bias.
     pub fn claim(self) -> &'static str {
         match self {
@@ -46,6 +57,8 @@ pub const MAX_SAMPLES: u64 = u32::MAX as u64 + 1;
 const PASS_SHARE: f64 = 0.05;
 /// … and where there is none, this many seconds.
 const PASS_SECONDS: f64 = 1.0;
+/// At least this share of the time budget is to be used, even where one sample takes longer than what is left over.
+const USED_SHARE: f64 = 0.95;
 /// With a time budget passes are kept shorter still where one sample a pixel is: what is left unused at the end is
 /// less than a pass.
 const PREFERRED_SHARE: f64 = 0.02;
@@ -68,16 +81,19 @@ impl Pacer {
 
     /// Samples of the next pass after `done`, or what stops the render. `now` is in seconds since the process
     /// started, `output` the seconds that writing the image will take.
+    ///
+    /// A pass starts only if it is predicted to end within the limit. The image is written within it, too, unless one
+    /// sample a pixel takes more than 5 % of the time: then it may be late by that excess, so that 95 % are used.
     pub fn next(&self, done: u64, now: f64, output: f64) -> Result<u64, StoppedBy> {
-        let left = self.budget.samples.unwrap_or(MAX_SAMPLES).min(MAX_SAMPLES) - done;
+        let left = self.budget.samples.unwrap_or(MAX_SAMPLES).min(MAX_SAMPLES).saturating_sub(done);
         if left == 0 {
             return Err(StoppedBy::Samples);
         }
         let size = self.size.min(left);
         match self.budget.seconds {
-            Some(limit) if now + size as f64 * self.seconds_per_sample + output > limit => {
+            Some(limit) if now + size as f64 * self.seconds_per_sample + self.reserve(limit, output) > limit => {
                 // During calibration a smaller pass may still fit; afterwards all are equal.
-                let one_fits = now + self.seconds_per_sample + output <= limit;
+                let one_fits = now + self.seconds_per_sample + self.reserve(limit, output) <= limit;
                 if !self.settled && one_fits && size > 1 { Ok(1) } else { Err(StoppedBy::Time) }
             }
             _ => Ok(size),
@@ -96,14 +112,23 @@ impl Pacer {
             Some(limit) => (PASS_SHARE * limit, PREFERRED_SHARE * limit),
             None => (PASS_SECONDS, PASS_SECONDS),
         };
-        let doubled = done.min(BLOCK);
-        let affordable = |size: u64| size as f64 * measured <= preferred.min(most);
-        if done.is_power_of_two() && affordable(doubled) && doubled <= BLOCK {
+        // A pass starts at a multiple of its size: so none crosses a block, and every power of two is an end.
+        let doubled = 2 * self.size;
+        if !done.is_multiple_of(doubled) {
+            return;
+        }
+        if doubled <= BLOCK && doubled as f64 * measured <= preferred.min(most) {
             self.size = doubled;
             self.settled = doubled == BLOCK;
         } else {
             self.settled = true;
         }
+    }
+
+    /// Seconds to keep for the image.
+    fn reserve(&self, limit: f64, output: f64) -> f64 {
+        let late = self.seconds_per_sample - (1.0 - USED_SHARE) * limit;
+        output - late.clamp(0.0, output)
     }
 
     /// Is the error target to be tested after `done` samples?

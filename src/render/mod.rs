@@ -3,10 +3,12 @@
 pub mod budget;
 pub mod interrupt;
 mod progress;
+pub mod state;
 mod summary;
 
 pub use budget::{Budget, StoppedBy};
 pub use progress::Progress;
+pub use state::{State, StateError};
 pub use summary::{Summary, Times};
 
 use crate::film::{AovSample, Film, FilmChannels, TileFilm};
@@ -30,7 +32,8 @@ pub struct Options {
     pub tile: u32,
     /// Keep albedo, normal and distance of the first hit.
     pub aovs: bool,
-    /// Seconds to keep in reserve for writing the image, where time is limited.
+    /// Seconds to keep in reserve for writing the image, where time is limited and [`Watch::output_seconds`] knows
+    /// nothing better.
     pub output_seconds: f64,
 }
 
@@ -78,29 +81,68 @@ pub fn pinned_thread_pool(threads: usize) -> Result<rayon::ThreadPool, rayon::Th
         .build()
 }
 
+/// Accompanies a render: asked and told between passes.
+pub trait Watch {
+    /// Seconds that writing this film will take, from a trial; asked once, after the first pass.
+    fn output_seconds(&mut self, _film: &Film) -> Option<f64> {
+        None
+    }
+    /// A pass is over; `seconds` of rendering so far. Never called with tiles that differ in samples.
+    fn pass_done(&mut self, _film: &Film, _counters: &Counters, _seconds: f64) {}
+}
+
+/// Watches nothing.
+impl Watch for () {}
+
 /// Renders until a budget is spent or the user interrupts. The film's bits depend on the scene, the seed and the
 /// number of samples alone.
 pub fn render(world: &World, options: &Options, pool: &rayon::ThreadPool, progress: &mut Progress) -> Outcome {
+    render_on(empty_film(world, options, 0), world, options, pool, progress, &mut ())
+}
+
+/// A film for `world` whose first sample will be number `64 · first_block`.
+pub fn empty_film(world: &World, options: &Options, first_block: u64) -> Film {
     let channels = if options.aovs { FilmChannels::ColourAndAovs } else { FilmChannels::Colour };
-    let mut film = Film::new(world.film.width, world.film.height, options.tile, channels, 0);
+    Film::new(world.film.width, world.film.height, options.tile, channels, first_block)
+}
+
+/// Goes on with a film of this world (whose channels and tiles count, not the options'), as [`render`] would have.
+pub fn render_on(
+    mut film: Film,
+    world: &World,
+    options: &Options,
+    pool: &rayon::ThreadPool,
+    progress: &mut Progress,
+    watch: &mut dyn Watch,
+) -> Outcome {
     let kernel = select(world, options.width);
-    let mut pacer = Pacer::new(options.budget);
+    let aovs = film.channels() == FilmChannels::ColourAndAovs;
+    let most = film.samples() + (budget::MAX_SAMPLES - film.next_sample());
+    let samples = Some(options.budget.samples.unwrap_or(most).min(most));
+    let mut pacer = Pacer::new(Budget { samples, ..options.budget });
     let mut counters = Counters::default();
-    let mut done = 0;
+    let mut output = options.output_seconds;
+    let mut first_pass = true;
     let start = Instant::now();
+    // Fresh memory costs page faults, which would pass for the price of samples.
+    pool.install(|| film.tiles_mut().par_iter_mut().for_each(TileFilm::begin));
     let stopped_by = loop {
-        let samples = match pacer.next(done, seconds_since_process_start(), options.output_seconds) {
+        let samples = match pacer.next(film.samples(), seconds_since_process_start(), output) {
             Ok(samples) => samples,
             Err(reason) => break reason,
         };
         let pass_start = Instant::now();
-        let pass = Pass { world, kernel, first_sample: done, samples, aovs: options.aovs };
+        let pass = Pass { world, kernel, first_sample: film.next_sample(), samples, aovs };
         counters.add(&pool.install(|| pass.run(film.tiles_mut())));
         if interrupt::presses() > 0 {
             break StoppedBy::Interrupt;
         }
-        done += samples;
+        let done = film.samples();
         pacer.learn(samples, pass_start.elapsed().as_secs_f64(), done);
+        if std::mem::take(&mut first_pass) && options.budget.seconds.is_some() {
+            output = watch.output_seconds(&film).unwrap_or(output);
+        }
+        watch.pass_done(&film, &counters, start.elapsed().as_secs_f64());
         let relative_error = || pool.install(|| film.relative_error());
         progress.update(done, &counters, start.elapsed().as_secs_f64(), relative_error);
         if pacer.tests_error(done) && relative_error().zip(options.budget.error).is_some_and(|(e, target)| e <= target)
@@ -139,7 +181,8 @@ impl Pass<'_> {
         let rect = tile.rect();
         let at_once = (JOB_SLOTS / (rect.width * rect.height)).max(1) as u64;
         let mut counters = Counters::default();
-        let mut first = self.first_sample;
+        // An interrupted pass left some tiles ahead of others.
+        let mut first = self.first_sample.max(tile.next_sample());
         let end = self.first_sample + self.samples;
         while first < end && interrupt::presses() == 0 {
             let samples = at_once.min(end - first);

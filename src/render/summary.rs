@@ -25,6 +25,8 @@ pub struct Summary {
     pub tile: u32,
     pub seed: u64,
     pub samples_per_pixel: u64,
+    /// Of these, held at the start: from a state.
+    pub resumed_samples: u64,
     pub stopped_by: StoppedBy,
     pub claim: &'static str,
     pub relative_error: Option<f64>,
@@ -78,6 +80,7 @@ impl Summary {
             tile: options.tile,
             seed: world.seed,
             samples_per_pixel: outcome.film.samples(),
+            resumed_samples: 0,
             stopped_by: outcome.stopped_by,
             claim: outcome.stopped_by.claim(),
             relative_error: outcome.film.relative_error(),

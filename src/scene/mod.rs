@@ -7,6 +7,7 @@ mod bare_model;
 mod domain;
 mod environment;
 mod error;
+mod fingerprint;
 mod load;
 mod materials;
 mod mesh_file;

@@ -6,10 +6,15 @@ use octolux::render::budget::{Budget, Pacer};
 
 /// Runs a pacer against passes that take `seconds_per_sample`, and returns the pass sizes and what stopped it.
 fn simulate(budget: Budget, seconds_per_sample: f64) -> (Vec<u64>, StoppedBy, f64) {
+    simulate_from(0, budget, seconds_per_sample, 0.0)
+}
+
+/// The same of a render that holds `done` samples, and whose image takes `output` seconds to write.
+fn simulate_from(mut done: u64, budget: Budget, seconds_per_sample: f64, output: f64) -> (Vec<u64>, StoppedBy, f64) {
     let mut pacer = Pacer::new(budget);
-    let (mut done, mut now, mut passes) = (0, 0.0, Vec::new());
+    let (mut now, mut passes) = (0.0, Vec::new());
     loop {
-        match pacer.next(done, now, 0.0) {
+        match pacer.next(done, now, output) {
             Err(reason) => return (passes, reason, now),
             Ok(samples) => {
                 let seconds = samples as f64 * seconds_per_sample;
@@ -45,6 +50,33 @@ fn no_pass_crosses_a_block_of_64_once_sizes_settle() {
         done += p;
     }
     assert_eq!(passes.iter().sum::<u64>(), 1000);
+}
+
+#[test]
+fn a_sample_longer_than_a_twentieth_may_end_late_by_less_than_itself() {
+    for seconds_per_sample in [0.06, 0.11, 0.155, 0.19, 0.24] {
+        let budget = Budget { seconds: Some(1.0), ..Budget::default() };
+        let (passes, _, rendered) = simulate_from(0, budget, seconds_per_sample, 0.2);
+        let end = rendered + 0.2;
+        assert!(rendered <= 1.0 && end >= 0.95 && end <= 1.0 + seconds_per_sample, "{seconds_per_sample}: {end}");
+        assert!(passes.iter().all(|&p| p == 1));
+    }
+}
+
+#[test]
+fn a_resumed_render_comes_back_to_blocks_and_powers_of_two() {
+    let budget = Budget { samples: Some(5000), ..Budget::default() };
+    for held in [1, 37, 64, 100, 4096 + 17] {
+        let (passes, reason, _) = simulate_from(held, budget, 1e-4, 0.0);
+        assert_eq!(reason, StoppedBy::Samples);
+        let ends: Vec<u64> = passes.iter().scan(held, |done, p| Some(std::mem::replace(done, *done + p) + p)).collect();
+        for (end, pass) in ends.iter().zip(&passes) {
+            assert_eq!((end - pass) / 64, (end - 1) / 64, "{held}: {passes:?}");
+        }
+        let powers = (0..13).map(|i| 1 << i).filter(|&n: &u64| n > held);
+        powers.for_each(|n| assert!(ends.contains(&n), "{held}: {n} in {ends:?}"));
+        assert!(passes.len() < 110, "{held}: it climbs to whole blocks: {passes:?}");
+    }
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod check;
 mod converge;
 mod errors;
 mod render;
+mod state;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

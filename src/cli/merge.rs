@@ -1,0 +1,56 @@
+//! `octolux merge`: states of parts of a render become one, bit for bit as if rendered on one machine.
+
+use super::CliError;
+use super::targets::{Facts, ImageArgs, check_folders};
+use crate::render::{self, State};
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args)]
+pub struct MergeArgs {
+    /// States of the same scene, seed and size, of ranges that do not overlap; in any order
+    #[arg(required = true, value_name = "FILE.state")]
+    parts: Vec<PathBuf>,
+    #[command(flatten)]
+    images: ImageArgs,
+    /// Keep the merged state, to go on with it or to merge it further
+    #[arg(long, value_name = "FILE.state")]
+    state: Option<PathBuf>,
+    /// Say nothing
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub fn run(args: &MergeArgs) -> Result<bool, CliError> {
+    if args.images.files().next().is_none() && args.state.is_none() {
+        return Err(CliError::Usage("nothing to write: give -o OUT.exr, --png OUT.png or --state OUT.state".into()));
+    }
+    check_folders(args.images.files().chain(args.state.as_deref()))?;
+    let mut parts = args.parts.iter().map(PathBuf::as_path);
+    let mut load = || parts.next().map(|path| Ok::<_, CliError>((path, State::load(path)?))).transpose();
+    let Some((_, mut whole)) = load()? else { return Ok(true) };
+    while let Some((path, part)) = load()? {
+        whole.merge(part, path)?;
+    }
+    write(args, &whole)?;
+    if !args.quiet {
+        let (samples, parts) = (whole.film.samples(), args.parts.len());
+        let error = whole.film.relative_error().map_or(String::new(), |e| format!(", relative error {e:.5}"));
+        eprintln!("{samples} samples per pixel from {parts} states{error}");
+    }
+    Ok(true)
+}
+
+fn write(args: &MergeArgs, whole: &State) -> Result<(), CliError> {
+    if let Some(path) = &args.state {
+        State::save(&whole.head, &whole.film, Path::new(path))?;
+    }
+    let head = &whole.head;
+    let facts = Facts {
+        scene: head.scene.clone(),
+        render_seconds: head.render_seconds,
+        seed: head.origin.seed,
+        stopped_by: head.stopped_by,
+    };
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+    render::thread_pool(threads)?.install(|| args.images.write(&whole.film, &facts))
+}

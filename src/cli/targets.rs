@@ -1,0 +1,123 @@
+//! Where results go, and what an image file says of itself.
+
+use super::CliError;
+use crate::film::{self, Attribute, Film, VarianceValidity};
+use crate::render::{StoppedBy, Summary};
+use std::path::{Path, PathBuf};
+
+/// What a file system takes into its cache.
+const FILE_BYTES_PER_SECOND: f64 = 1e9;
+
+/// Images to write. Every command that ends in an image has these.
+#[derive(clap::Args, Clone)]
+pub struct ImageArgs {
+    /// EXR image: R G B, variance.R/G/B, metadata [default: named for the scene, unless another image is asked for]
+    #[arg(short, long, value_name = "FILE.exr")]
+    pub output: Option<PathBuf>,
+    /// 8-bit PNG preview, exposed and sRGB-encoded
+    #[arg(long, value_name = "FILE.png")]
+    pub png: Option<PathBuf>,
+    /// Exposure of the PNG in stops
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    pub exposure: f32,
+}
+
+/// What an image's header says of its making.
+pub struct Facts {
+    pub scene: String,
+    pub render_seconds: f64,
+    pub seed: u64,
+    pub stopped_by: StoppedBy,
+}
+
+/// The folders of these files exist.
+pub fn check_folders<'a>(files: impl IntoIterator<Item = &'a Path>) -> Result<(), CliError> {
+    for path in files {
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if !folder.is_dir() {
+            let (path, folder) = (path.display(), folder.display());
+            return Err(CliError::Usage(format!("{path}: there is no folder {folder}; create it")));
+        }
+    }
+    Ok(())
+}
+
+/// The EXR file that is written where none is named.
+pub fn default_exr(scene: &Path) -> PathBuf {
+    let named_scene = scene.file_stem().is_some_and(|s| s == "scene");
+    let folder = scene.parent().and_then(Path::file_name).filter(|_| named_scene);
+    PathBuf::from(folder.or(scene.file_stem()).unwrap_or("image".as_ref())).with_added_extension("exr")
+}
+
+impl ImageArgs {
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        [self.output.as_deref(), self.png.as_deref()].into_iter().flatten()
+    }
+
+    /// Seconds that writing will take, before anything is known: about 150 MB/s of EXR, 60 MB/s of PNG, and a few
+    /// milliseconds for each file.
+    pub fn guessed_seconds(&self, pixels: f64, aovs: bool) -> f64 {
+        let exr = self.output.as_ref().map_or(0.0, |_| 0.003 + pixels * if aovs { 52.0 } else { 24.0 } / 150e6);
+        exr + self.png.as_ref().map_or(0.0, |_| 0.003 + pixels * 3.0 / 60e6)
+    }
+
+    /// The same from a trial on the uppermost rows: a sixteenth of the image, some milliseconds. Works in the current
+    /// rayon pool.
+    pub fn trial_seconds(&self, film: &Film) -> f64 {
+        let rows = film.height().div_ceil(16).clamp(1, 64);
+        let all = |(seconds, bytes): (f64, usize)| {
+            let share = f64::from(film.height()) / f64::from(rows);
+            0.003 + share * (seconds + bytes as f64 / FILE_BYTES_PER_SECOND)
+        };
+        let exr = self.output.as_ref().map_or(0.0, |_| all(film::exr_write::trial(film, rows)));
+        exr + self.png.as_ref().map_or(0.0, |_| all(film::png::trial(film, rows, self.exposure)))
+    }
+
+    /// Works in the current rayon pool.
+    pub fn write(&self, film: &Film, facts: &Facts) -> Result<(), CliError> {
+        if let Some(path) = &self.output {
+            film::write_exr(film, path, &attributes(film, facts), validity(facts.stopped_by))?;
+        }
+        if let Some(path) = &self.png {
+            film::write_png(film, path, self.exposure)?;
+        }
+        Ok(())
+    }
+}
+
+/// Writes a report to a file or, for `-`, to standard output.
+pub fn write_json(summary: &Summary, path: Option<&Path>) -> Result<(), CliError> {
+    let Some(path) = path else { return Ok(()) };
+    // Numbers, strings and lists: nothing that JSON cannot hold.
+    let text = serde_json::to_string_pretty(summary).map_err(|e| CliError::Usage(e.to_string()))? + "\n";
+    if path == Path::new("-") {
+        print!("{text}");
+        return Ok(());
+    }
+    film::beside::write_beside(path, |file| std::io::Write::write_all(file, text.as_bytes()))?;
+    Ok(())
+}
+
+fn validity(stopped_by: StoppedBy) -> VarianceValidity {
+    match stopped_by {
+        StoppedBy::Error => VarianceValidity::Stopped,
+        _ => VarianceValidity::Independent,
+    }
+}
+
+fn attributes(film: &Film, facts: &Facts) -> Vec<(String, Attribute)> {
+    let text = |s: &str| Attribute::Text(s.to_string());
+    [
+        ("octolux.version", text(env!("CARGO_PKG_VERSION"))),
+        ("octolux.scene", text(&facts.scene)),
+        ("octolux.samples", Attribute::Integer(film.samples())),
+        ("octolux.render_seconds", Attribute::Float(facts.render_seconds as f32)),
+        ("octolux.seed", Attribute::Integer(facts.seed)),
+        ("octolux.stopped_by", text(&format!("{:?}", facts.stopped_by).to_lowercase())),
+        ("octolux.claim", text(facts.stopped_by.claim())),
+        ("octolux.discarded_samples", Attribute::Integer(film.discarded().count)),
+        ("octolux.cpu_features", text(&crate::cpu::compiled_features().join(" "))),
+    ]
+    .map(|(name, value)| (name.to_string(), value))
+    .to_vec()
+}

@@ -1,0 +1,53 @@
+//! A number for what a scene says: equal for equal content, wherever its files are.
+
+use super::{Environment, EnvironmentImage, Mesh, Scene};
+use crate::film::checksum::Checksum;
+use std::fmt::Write as _;
+
+impl Scene {
+    /// XXH64 of everything that decides the image: camera, film size, integrator, environment texels, triangles,
+    /// spheres, materials. Neither the path nor what was assumed counts.
+    ///
+    /// Small values go in as their `Debug` text, which tells every f32 from every other; a new field is in it without
+    /// being asked for.
+    pub fn fingerprint(&self) -> u64 {
+        let mut sum = Checksum::default();
+        let Scene { name: _, assumptions: _, camera, film, integrator, environment, mesh, spheres, materials } = self;
+        // Writing into a checksum cannot fail.
+        let _ = write!(sum, "{camera:?}{film:?}{integrator:?}{spheres:?}{materials:?}");
+        match environment {
+            Some(Environment::Image(EnvironmentImage { width, height, texels })) => {
+                let _ = write!(sum, "{width}x{height}");
+                floats(&mut sum, texels);
+            }
+            small => {
+                let _ = write!(sum, "{small:?}");
+            }
+        }
+        let Mesh { positions, triangles, material, normals, normal_indices } = mesh;
+        let _ = write!(sum, "{} {} {}", positions.len(), triangles.len(), normals.len());
+        floats(&mut sum, positions);
+        floats(&mut sum, normals);
+        words(&mut sum, triangles.iter().chain(normal_indices).flatten().copied());
+        words(&mut sum, material.iter().copied());
+        sum.value()
+    }
+}
+
+fn floats(sum: &mut Checksum, values: &[[f32; 3]]) {
+    words(sum, values.iter().flatten().map(|x| x.to_bits()));
+}
+
+fn words(sum: &mut Checksum, values: impl Iterator<Item = u32>) {
+    let mut buffer = [0; 4096];
+    let mut used = 0;
+    for value in values {
+        buffer[used..used + 4].copy_from_slice(&value.to_le_bytes());
+        used += 4;
+        if used == buffer.len() {
+            sum.update(&buffer);
+            used = 0;
+        }
+    }
+    sum.update(&buffer[..used]);
+}
