@@ -8,16 +8,27 @@ impl Scene {
     /// XXH64 of everything that decides the image: camera, film size, integrator, environment texels, triangles,
     /// spheres, materials. Neither the path nor what was assumed counts.
     ///
-    /// Small values go in as their `Debug` text, which tells every f32 from every other; a new field is in it without
-    /// being asked for.
+    /// Small values go in as their `Debug` text, which tells every f32 from every other.
     pub fn fingerprint(&self) -> u64 {
         let mut sum = Checksum::default();
-        let Scene { name: _, assumptions: _, camera, film, integrator, environment, mesh, spheres, materials } = self;
+        // Whoever adds a field says here what becomes of it.
+        let Scene {
+            name: _,
+            assumptions: _,
+            camera,
+            film,
+            integrator,
+            environment,
+            delta_lights,
+            mesh,
+            spheres,
+            materials,
+        } = self;
         // Writing into a checksum cannot fail.
-        let _ = write!(sum, "{camera:?}{film:?}{integrator:?}{spheres:?}{materials:?}");
+        let _ = write!(sum, "{camera:?}{film:?}{integrator:?}{spheres:?}{materials:?}{delta_lights:?}");
         match environment {
-            Some(Environment::Image(EnvironmentImage { width, height, texels })) => {
-                let _ = write!(sum, "{width}x{height}");
+            Some(Environment::Image(EnvironmentImage { width, height, texels, rotation })) => {
+                let _ = write!(sum, "{width}x{height} {rotation:?}");
                 floats(&mut sum, texels);
             }
             small => {
