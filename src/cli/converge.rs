@@ -35,15 +35,16 @@ pub struct ConvergeArgs {
     /// The first of them
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// What to compare, as "NAME: FLAGS; NAME: FLAGS"; flags are those of `render`. May be given more than once
+    /// What to compare: "NAME: FLAGS; NAME: FLAGS" with flags of `render`, as in "8 lanes: --lanes 8; 16 lanes: --lanes
+    /// 16". Flags may begin with another scene. May be given more than once
     #[arg(long, value_name = "VARIANTS", allow_hyphen_values = true)]
     variants: Vec<String>,
     /// Go on with the study in the folder
     #[arg(long)]
     resume: bool,
-    /// Exposure of the images in stops
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
-    exposure: f32,
+    /// Exposure of the images in stops [default: whole stops by the reference's brightness]
+    #[arg(long, allow_negative_numbers = true)]
+    exposure: Option<f32>,
     /// No progress, no summary
     #[arg(long)]
     quiet: bool,

@@ -62,7 +62,8 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "must be a number above 0".into())
 }
 
-/// What `render` and every variant of `converge` make of the same arguments.
+/// What `render` and every variant of `converge` make of the same arguments: whatever changes an estimate or its cost
+/// belongs here, or a variant would not have it.
 impl RenderArgs {
     pub(super) fn world(&self) -> Result<(Scene, World, Times), CliError> {
         self.scene.world(Force { general: self.general, geometry: None }, self.aovs)

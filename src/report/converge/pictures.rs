@@ -24,11 +24,12 @@ pub fn write(
     let folder = plan.folder.join("images");
     std::fs::create_dir_all(&folder).map_err(|error| FilmError::write(&folder, error))?;
     let view = View::new(reference.width, reference.height);
-    let exposure = f64::from(plan.exposure).exp2();
-    let shown = |rgb: [f64; 3]| rgb.map(|value| srgb8(value * exposure));
     let truth = view.reduce(reference.rgb());
+    let stops = plan.exposure.map_or_else(|| exposure(&truth), f64::from);
+    let shown = |rgb: [f64; 3]| rgb.map(|value| srgb8(value * stops.exp2()));
     let path = folder.join("reference.png");
-    let caption = reference.samples_per_pixel.map_or(String::new(), |n| format!("{n} samples a pixel"));
+    let samples = reference.samples_per_pixel.map_or(String::new(), |n| format!("{n} samples a pixel, "));
+    let caption = format!("{samples}images exposed by {stops} stops").replace('-', "−");
     let mut images = vec![view.image(&path, "reference".into(), caption, |i| shown(truth[i]))?];
     for (number, variant) in report.variants.iter().enumerate() {
         let Some((row, seed)) = variant.rows.last().and_then(|row| Some((row, row.seeds.first()?))) else { continue };
@@ -41,6 +42,18 @@ pub fn write(
         images.push(view.image(&path("-error"), name, error, |i| colour(image[i], truth[i]))?);
     }
     Ok(images)
+}
+
+/// Whole stops that bring the brightest channel of 95 % of the pixels to 1 or below, and of some above ½.
+fn exposure(image: &[[f64; 3]]) -> f64 {
+    let brightest = |rgb: &[f64; 3]| rgb.iter().copied().fold(0.0, f64::max);
+    let mut values: Vec<f64> = image.iter().map(brightest).filter(|value| value.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    match values.get(values.len() * 95 / 100) {
+        // Plus zero: −0 would be printed as such.
+        Some(&level) if level > 0.0 => (-level.log2()).floor().clamp(-30.0, 30.0) + 0.0,
+        _ => 0.0,
+    }
 }
 
 fn caption_of(row: &Row) -> String {

@@ -5,7 +5,7 @@ use super::run::Variant;
 use super::statistics::relative;
 use crate::film::exr_write::write_rows;
 use crate::film::{Attribute, VarianceValidity, beside::write_beside, read_exr};
-use crate::render::{Budget, interrupt};
+use crate::render::interrupt;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -90,28 +90,29 @@ impl Reference {
     ///
     /// # Errors
     /// It cannot be written or read, or the user interrupted.
-    pub fn make(variant: &mut Variant, samples: u64, folder: &Path, say: &dyn Fn(&str)) -> Result<Self, ConvergeError> {
+    pub fn make(variant: &mut Variant, samples: u64, folder: &Path, loud: bool) -> Result<Self, ConvergeError> {
         let (path, film) = (folder.join("reference.exr"), variant.world.film);
         let each = samples.div_ceil(REPLICATES).max(1);
         let made = read_sidecar(&path.with_extension("json"))?.is_some_and(|sidecar| {
             sidecar.spp == Some(each * REPLICATES) && sidecar.fingerprint.as_deref() == Some(&variant.fingerprint)
         });
         if !(made && path.is_file()) {
-            say(&format!("reference: {REPLICATES} renders of {each} samples a pixel, with seeds of their own"));
-            render_reference(variant, each, &path)?;
+            if loud {
+                eprintln!("reference: {REPLICATES} renders of {each} samples a pixel, with seeds of their own");
+            }
+            render_reference(variant, each, &path, loud)?;
         }
         let reference = Self::load(&path, (film.width, film.height))?;
         Ok(Reference { noise_source: NoiseSource::Replicates, ..reference })
     }
 }
 
-fn render_reference(variant: &mut Variant, each: u64, path: &Path) -> Result<(), ConvergeError> {
+fn render_reference(variant: &mut Variant, each: u64, path: &Path, loud: bool) -> Result<(), ConvergeError> {
     let film = variant.world.film;
     let values = 3 * film.width as usize * film.height as usize;
     let (mut sum, mut squares) = (vec![0.0f64; values], vec![0.0f64; values]);
     for replicate in 0..REPLICATES {
-        let budget = Budget { samples: Some(each), ..Budget::default() };
-        let outcome = variant.render(budget, REFERENCE_SEED.wrapping_add(replicate));
+        let outcome = variant.render(each, REFERENCE_SEED.wrapping_add(replicate), loud);
         if interrupt::presses() > 0 {
             return Err(ConvergeError::Interrupted);
         }

@@ -48,7 +48,8 @@ pub struct Plan {
     pub reference_samples: Option<u64>,
     pub folder: PathBuf,
     pub resume: bool,
-    pub exposure: f32,
+    /// Stops; `None`: whole stops by the reference's brightness.
+    pub exposure: Option<f32>,
     pub quiet: bool,
     /// The command that does this again.
     pub command: String,
@@ -78,23 +79,23 @@ impl Variant {
         Ok(Variant { name, arguments, world, options, threads, times, fingerprint, pool })
     }
 
-    pub(super) fn render(&mut self, budget: render::Budget, seed: u64) -> Outcome {
+    /// `loud`: with progress of its own.
+    pub(super) fn render(&mut self, samples: u64, seed: u64, loud: bool) -> Outcome {
+        let budget = render::Budget { samples: Some(samples), ..render::Budget::default() };
         let own = std::mem::replace(&mut self.world.seed, seed);
         let options = Options { budget, ..self.options };
-        let outcome = render::render(&self.world, &options, &self.pool, &mut Progress::quiet());
+        let mut progress = if loud { Progress::new(budget) } else { Progress::quiet() };
+        let outcome = render::render(&self.world, &options, &self.pool, &mut progress);
+        progress.finish();
         self.world.seed = own;
         outcome
-    }
-
-    fn render_samples(&mut self, samples: u64, seed: u64) -> Outcome {
-        self.render(render::Budget { samples: Some(samples), ..render::Budget::default() }, seed)
     }
 
     /// Samples a pixel that last about `seconds`, by a pilot whose samples are thrown away; 0 if interrupted.
     fn pace(&mut self, seconds: f64, seed: u64) -> u64 {
         let mut samples = 1;
         loop {
-            let took = self.render_samples(samples, seed).render_seconds;
+            let took = self.render(samples, seed, false).render_seconds;
             if interrupt::presses() > 0 {
                 return 0;
             }
@@ -127,7 +128,7 @@ pub fn run(mut plan: Plan) -> Result<ConvergeReport, ConvergeError> {
     pace_all(&mut plan, &mut store)?;
     let reference = reference(&mut plan, &store)?;
     // The first render of a world touches its memory for the first time: not a cell's time.
-    plan.variants.iter_mut().for_each(|v| drop(v.render_samples(1, u64::MAX)));
+    plan.variants.iter_mut().for_each(|v| drop(v.render(1, u64::MAX, false)));
     let cells = render_cells(&mut plan, &mut store)?;
     let mut rows = Vec::new();
     for variant in 0..plan.variants.len() {
@@ -174,11 +175,6 @@ fn samples_of(store: &Store, variant: &Variant, budget: Budget) -> Option<u64> {
 
 fn reference(plan: &mut Plan, store: &Store) -> Result<Reference, ConvergeError> {
     let (folder, quiet) = (plan.folder.clone(), plan.quiet);
-    let say = |line: &str| {
-        if !quiet {
-            eprintln!("{line}");
-        }
-    };
     let last = plan.budgets.last().copied();
     let largest = plan.variants.iter().filter_map(|v| samples_of(store, v, last?)).max().unwrap_or(1);
     let samples = plan.reference_samples.unwrap_or(REFERENCE_FACTOR * largest).min(render::budget::MAX_SAMPLES);
@@ -187,7 +183,7 @@ fn reference(plan: &mut Plan, store: &Store) -> Result<Reference, ConvergeError>
     let film = first.world.film;
     match &plan.reference {
         Some(path) => Reference::load(path, (film.width, film.height)),
-        None => Reference::make(first, samples, &folder, &say),
+        None => Reference::make(first, samples, &folder, !quiet),
     }
 }
 
@@ -222,7 +218,7 @@ fn render_cells(plan: &mut Plan, store: &mut Store) -> Result<Vec<CellKey>, Conv
         let (samples, name) = (work(store, plan, at), plan.variants[order[at].0].name.clone());
         progress.start(&format!("{name}, {}, seed {}", keys[at].budget, keys[at].seed));
         let variant = &mut plan.variants[order[at].0];
-        let outcome = variant.render_samples(samples as u64, keys[at].seed);
+        let outcome = variant.render(samples as u64, keys[at].seed, false);
         if interrupt::presses() > 0 {
             break;
         }

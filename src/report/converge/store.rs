@@ -4,6 +4,7 @@ use super::cell::{Budget, Cell, CellKey};
 use super::run::Variant;
 use crate::film::FilmError;
 use crate::film::beside::write_beside;
+use crate::process;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -30,6 +31,8 @@ pub struct Origin {
     pub format: u32,
     /// Of the program's file.
     pub build: String,
+    /// Processor and cores.
+    pub machine: String,
     pub width: u32,
     pub height: u32,
     /// Of each variant's scene as it was loaded.
@@ -61,8 +64,15 @@ impl Store {
         std::fs::create_dir_all(&images).map_err(|source| StoreError::Folder { path: images, source })?;
         let film = variants.first().map_or((0, 0), |v| (v.world.film.width, v.world.film.height));
         let scenes = variants.iter().map(|v| (v.arguments.clone(), v.fingerprint.clone())).collect();
-        let origin =
-            Origin { format: FORMAT, build: build_id(), width: film.0, height: film.1, scenes, paced: Vec::new() };
+        let origin = Origin {
+            format: FORMAT,
+            build: build_id(),
+            machine: machine(),
+            width: film.0,
+            height: film.1,
+            scenes,
+            paced: Vec::new(),
+        };
         let mut store = Store { folder: folder.to_owned(), origin, cells: Vec::new() };
         let path = store.file();
         match std::fs::read_to_string(&path) {
@@ -82,6 +92,9 @@ impl Store {
         let other = |why: &str| Err(StoreError::Other { path: self.file(), why: why.to_owned() });
         if earlier.origin.format != FORMAT || earlier.origin.build != self.origin.build {
             return other("by another build of octolux");
+        }
+        if earlier.origin.machine != self.origin.machine {
+            return other("on another machine, or with another number of cores");
         }
         if (earlier.origin.width, earlier.origin.height) != (self.origin.width, self.origin.height) {
             return other("at another image size");
@@ -129,6 +142,11 @@ impl Store {
         let file = File { origin: self.origin.clone(), cells: self.cells.clone() };
         Ok(write_beside(&self.file(), |out| serde_json::to_writer_pretty(out, &file))?)
     }
+}
+
+fn machine() -> String {
+    let cpu = process::cpu_model().unwrap_or_default();
+    format!("{cpu}, {} cores", process::allowed_cores().len())
 }
 
 /// The program's file, hashed; empty where it cannot be read.
