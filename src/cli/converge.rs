@@ -146,8 +146,11 @@ fn table(report: &ConvergeReport) -> String {
             row.relmse.value,
             half,
             row.seconds.value,
-            if row.doubts.is_empty() { String::new() } else { format!("  not trusted: {}", row.doubts.join("; ")) }
+            if row.doubts.is_empty() { "" } else { " *" }
         );
+    }
+    if report.variants.iter().flat_map(|v| &v.rows).any(|row| !row.doubts.is_empty()) {
+        text += "* an interval that cannot be trusted; the report says why\n";
     }
     for v in &report.variants {
         let slope = |law: &Option<crate::report::fit::PowerLaw>| {

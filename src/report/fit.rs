@@ -84,6 +84,19 @@ impl Estimate {
         self.map_increasing(|x| x.max(0.0).sqrt(), |x| if x > 0.0 { 0.5 / x.sqrt() } else { 0.0 })
     }
 
+    /// The same value, as uncertain as its product with an independent estimate: what an uncertain x adds to y on a
+    /// line of slope ±1 in logarithms.
+    pub fn uncertain_by(self, x: Self) -> Self {
+        let relative = self.relative_error().hypot(x.relative_error());
+        Self::student(self.value, relative * self.value.abs(), self.dof.min(x.dof))
+    }
+
+    /// a b of independent estimates: relative errors add in quadrature.
+    pub fn times(self, other: Self) -> Self {
+        let error = (self.standard_error * other.value).hypot(other.standard_error * self.value);
+        Self::student(self.value * other.value, error, self.dof.min(other.dof))
+    }
+
     /// Standard error over value.
     pub fn relative_error(&self) -> f64 {
         self.standard_error / self.value.abs()

@@ -44,6 +44,27 @@ fn a_study_writes_its_files_and_errors_fall_as_theory_says() {
     assert_eq!((csv.lines().count(), columns.len()), (1 + 6, 1), "{csv}");
     let html = std::fs::read_to_string(scratch.path("out").join("report.html")).unwrap();
     assert!(html.contains("data:image/png;base64,") && html.contains("bit for bit"));
+    // One curve for both against samples, two against time.
+    let curves = |name: &str| {
+        let svg = std::fs::read_to_string(scratch.path("out").join(name)).unwrap();
+        (svg.matches("<polyline").count(), svg.contains("sixteen = one"))
+    };
+    assert_eq!((curves("rmse-samples.svg"), curves("rmse-seconds.svg")), ((1, true), (2, false)));
+}
+
+#[test]
+fn a_variant_may_be_another_scene_and_its_flags_replace_the_common_ones() {
+    let scratch = Scratch::new();
+    let scene = std::fs::read_to_string(scratch.path("scene.toml")).unwrap();
+    std::fs::write(scratch.path("dark.toml"), scene.replace("emission = [20, 18, 15]", "emission = [2, 1.8, 1.5]"))
+        .unwrap();
+    let variants = ["--variants", "lit: ; dark: dark.toml --lanes 8", "--spp", "64", "--seeds", "3"];
+    let report = study(&scratch, "out", &[&variants[..], &["--", "--lanes", "16", "--threads", "1"]].concat());
+    let [lit, dark] = &report.variants[..] else { panic!("two variants") };
+    assert_eq!((lit.lanes, dark.lanes, lit.threads, dark.threads), (16, 8, 1, 1));
+    // The reference is the first scene's: the other one is off by more than any noise, and that is called bias.
+    let bias = |row: &octolux::report::converge::Row| row.relative_bias_squared.unwrap();
+    assert!(bias(&dark.rows[0]).lo > 0.0 && bias(&lit.rows[0]).value < 0.01 * bias(&dark.rows[0]).value);
 }
 
 #[test]

@@ -103,3 +103,12 @@ fn the_budget_to_an_error_is_interpolated_and_says_when_not() {
     let wavy = [(1.0, 1.0), (2.0, 0.1), (4.0, 1.0), (8.0, 0.1)];
     assert!((4.0..8.0).contains(&budget_for(&wavy, 0.5, None).unwrap().budget));
 }
+
+#[test]
+fn products_add_relative_errors_in_quadrature() {
+    let (a, b) = (Estimate::student(2.0, 0.06, 7), Estimate::student(5.0, 0.2, 5));
+    let product = a.times(b);
+    assert!((product.relative_error() - 0.05).abs() < 1e-15 && product.value == 10.0 && product.dof == 5);
+    let blurred = a.uncertain_by(b);
+    assert!((blurred.relative_error() - 0.05).abs() < 1e-15 && blurred.value == 2.0);
+}

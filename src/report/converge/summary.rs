@@ -64,7 +64,7 @@ pub struct VariantReport {
     /// Load included.
     pub setup_seconds: f64,
     pub rows: Vec<Row>,
-    /// relMSE against samples a pixel, and against seconds of rendering.
+    /// relMSE against samples a pixel, and against seconds of rendering, whose own spread is in the interval.
     pub relmse_by_samples: Option<PowerLaw>,
     pub relmse_by_seconds: Option<PowerLaw>,
     pub targets: Vec<Target>,
@@ -153,7 +153,7 @@ pub fn row(variant: String, cells: &[&Cell], setup: f64, (absolute, relative): (
         relative_variance: relative.variance,
         seconds,
         wall_seconds: Estimate::mean(&wall),
-        time_to_unit_variance: absolute.variance.map(|variance| product(variance, seconds)),
+        time_to_unit_variance: absolute.variance.map(|variance| variance.times(seconds)),
         paths: first.paths,
         rays: first.rays,
         discarded_samples: cells.iter().map(|cell| cell.discarded_samples).sum(),
@@ -164,13 +164,6 @@ pub fn row(variant: String, cells: &[&Cell], setup: f64, (absolute, relative): (
         doubts: all_doubts(cells.len(), shares, (absolute.error, relative.error)),
         seeds: cells.iter().zip(mae).map(seed).collect(),
     }
-}
-
-/// a b of independent estimates: relative errors add in quadrature.
-fn product(a: Estimate, b: Estimate) -> Estimate {
-    let value = a.value * b.value;
-    let error = ((a.standard_error * b.value).powi(2) + (b.standard_error * a.value).powi(2)).sqrt();
-    Estimate::student(value, error, a.dof.min(b.dof))
 }
 
 /// Why an interval of `error` cannot be trusted.
@@ -257,7 +250,7 @@ pub fn report(
 fn variant_report(variant: &Variant, rows: Vec<Row>) -> VariantReport {
     let curve = |x: fn(&Row) -> f64| rows.iter().map(|row| (x(row), row.relmse)).collect::<Vec<_>>();
     let samples = curve(|row| row.samples_per_pixel as f64);
-    let seconds = curve(|row| row.seconds.value);
+    let seconds: Vec<_> = rows.iter().map(|row| (row.seconds.value, row.relmse.uncertain_by(row.seconds))).collect();
     let (by_samples, by_seconds) = (fit_power_law(&samples), fit_power_law(&seconds));
     let slope = |law: &Option<PowerLaw>| law.map(|law| law.exponent.value);
     let reach = |curve: &[(f64, Estimate)], target: f64, slope: Option<f64>| {

@@ -81,50 +81,74 @@ const RELMSE: (&str, fn(&Row) -> Estimate) = ("relMSE", |row| row.relmse);
 
 /// All plots with the names of their files.
 pub fn plots(report: &ConvergeReport) -> Vec<(&'static str, Plot)> {
+    let (by_samples, by_time) = (Curves::by_samples(report), Curves::by_time(report));
     vec![
-        ("rmse-samples", plot(report, "RMSE against samples", SAMPLES, RMSE, -0.5)),
-        ("rmse-seconds", plot(report, "RMSE against rendering time", SECONDS, RMSE, -0.5)),
-        ("relmse-samples", plot(report, "relMSE against samples", SAMPLES, RELMSE, -1.0)),
-        ("relmse-seconds", plot(report, "relMSE against rendering time", SECONDS, RELMSE, -1.0)),
-        ("relmse-wall", plot(report, "relMSE against wall clock", WALL, RELMSE, -1.0)),
-        ("bias-variance", bias_variance(report)),
+        ("rmse-samples", by_samples.plot("RMSE against samples", SAMPLES, RMSE, -0.5)),
+        ("rmse-seconds", by_time.plot("RMSE against rendering time", SECONDS, RMSE, -0.5)),
+        ("relmse-samples", by_samples.plot("relMSE against samples", SAMPLES, RELMSE, -1.0)),
+        ("relmse-seconds", by_time.plot("relMSE against rendering time", SECONDS, RELMSE, -1.0)),
+        ("relmse-wall", by_time.plot("relMSE against wall clock", WALL, RELMSE, -1.0)),
+        ("bias-variance", by_samples.bias_variance(report)),
     ]
 }
 
-fn plot(
-    report: &ConvergeReport,
-    title: &str,
-    (x_label, x): (&str, fn(&Row) -> f64),
-    (y_label, y): (&str, fn(&Row) -> Estimate),
-    slope: f64,
-) -> Plot {
-    let plot = Plot::new(title, (x_label, Scale::Log), (y_label, Scale::Log)).guide(Guide::slope(slope));
-    report.variants.iter().enumerate().fold(plot, |plot, (number, variant)| {
-        let points = variant.rows.iter().map(|row| point(x(row), y(row))).collect();
-        plot.curve(Curve::new(&variant.name, points).styled(number))
-    })
-}
+/// Which variants are drawn, under what names: each has its look, the same in all plots.
+struct Curves<'a>(Vec<(usize, String, &'a [Row])>);
 
-/// Relative variance, and relative bias² where its interval lies above zero.
-fn bias_variance(report: &ConvergeReport) -> Plot {
-    let plot = Plot::new("Variance and bias²", (SAMPLES.0, Scale::Log), ("share of relMSE", Scale::Log));
-    let mut plot = plot.guide(Guide::slope(-1.0));
-    if report.reference.noise.relmse > 0.0 {
-        plot = plot.guide(Guide::level(report.reference.noise.relmse, "noise of the reference"));
+impl<'a> Curves<'a> {
+    fn by_time(report: &'a ConvergeReport) -> Self {
+        let variants = report.variants.iter().enumerate();
+        Curves(variants.map(|(look, v)| (look, v.name.clone(), v.rows.as_slice())).collect())
     }
-    let points = |rows: &[Row], part: fn(&Row) -> Option<Estimate>| -> Vec<Point> {
-        rows.iter().filter_map(|row| Some(point(SAMPLES.1(row), part(row)?))).collect()
-    };
-    for (number, variant) in report.variants.iter().enumerate() {
-        let variance = points(&variant.rows, |row| row.relative_variance);
-        plot = plot.curve(Curve::new(format!("{}: variance", variant.name), variance).styled(number));
-        let bias = points(&variant.rows, |row| row.relative_bias_squared.filter(|bias| bias.lo > 0.0));
-        if !bias.is_empty() {
-            let curve = Curve::new(format!("{}: bias²", variant.name), bias).styled(number);
-            plot = plot.curve(Curve { joined: false, ..curve });
+
+    /// Variants with the same images are one curve, `A = B`.
+    fn by_samples(report: &'a ConvergeReport) -> Self {
+        let groups = report.same_images();
+        let mut curves = Self::by_time(report).0;
+        curves.retain_mut(|(_, name, _)| {
+            let Some(group) = groups.iter().find(|group| group.contains(&name.as_str())) else { return true };
+            let first = group[0] == *name;
+            *name = group.join(" = ");
+            first
+        });
+        Curves(curves)
+    }
+
+    fn plot(
+        &self,
+        title: &str,
+        (x_label, x): (&str, fn(&Row) -> f64),
+        (y_label, y): (&str, fn(&Row) -> Estimate),
+        slope: f64,
+    ) -> Plot {
+        let plot = Plot::new(title, (x_label, Scale::Log), (y_label, Scale::Log)).guide(Guide::slope(slope));
+        self.0.iter().fold(plot, |plot, (look, name, rows)| {
+            let points = rows.iter().map(|row| point(x(row), y(row))).collect();
+            plot.curve(Curve::new(name, points).styled(*look))
+        })
+    }
+
+    /// Relative variance, and relative bias² where its interval lies above zero.
+    fn bias_variance(&self, report: &ConvergeReport) -> Plot {
+        let plot = Plot::new("Variance and bias²", (SAMPLES.0, Scale::Log), ("share of relMSE", Scale::Log));
+        let mut plot = plot.guide(Guide::slope(-1.0));
+        if report.reference.noise.relmse > 0.0 {
+            plot = plot.guide(Guide::level(report.reference.noise.relmse, "noise of the reference"));
         }
+        let points = |rows: &[Row], part: fn(&Row) -> Option<Estimate>| -> Vec<Point> {
+            rows.iter().filter_map(|row| Some(point(SAMPLES.1(row), part(row)?))).collect()
+        };
+        for (look, name, rows) in &self.0 {
+            let variance = points(rows, |row| row.relative_variance);
+            plot = plot.curve(Curve::new(format!("{name}: variance"), variance).styled(*look));
+            let bias = points(rows, |row| row.relative_bias_squared.filter(|bias| bias.lo > 0.0));
+            if !bias.is_empty() {
+                let curve = Curve::new(format!("{name}: bias²"), bias).styled(*look);
+                plot = plot.curve(Curve { joined: false, ..curve });
+            }
+        }
+        plot
     }
-    plot
 }
 
 fn point(x: f64, y: Estimate) -> Point {
