@@ -4,7 +4,7 @@
 //! plan is a pure function of the scene and the options; thresholds are compiled constants found by measuring
 //! (`benches/README.md`). A kernel specialised to a scene gives the general kernel's bits on it.
 
-use crate::scene::{Bsdf, Environment, IntegratorKind, NO_NORMAL, Scene};
+use crate::scene::{Bsdf, Environment, IntegratorKind, Material, NO_NORMAL, Scene};
 use std::collections::BTreeSet;
 
 /// Up to this many primitives a ray is tested against all of them and no tree is built.
@@ -62,6 +62,14 @@ pub struct Plan {
     pub delta_lights: bool,
     /// Does the camera have a lens of some size?
     pub lens: bool,
+    /// Images that change how materials scatter or emit.
+    pub textures: bool,
+    /// Surfaces that rays may pass.
+    pub cutouts: bool,
+    /// Emitters whose radiance is not the same all over.
+    pub patterned_lights: bool,
+    /// Texture coordinates of triangles.
+    pub texcoords: bool,
     /// Materials, emission and lights: absent in the views `normals`, `depth` and `hit`.
     pub light_transport: bool,
     pub decisions: Vec<Decision>,
@@ -92,16 +100,17 @@ impl Plan {
         decide("tree", geometry == GeometryMode::Tree, format!("{primitives} primitives, {order} {BRUTE_FORCE_LIMIT}"));
 
         let used = used_materials(scene);
-        let count = |is: fn(&Bsdf) -> bool| used.iter().filter(|&&m| is(&scene.materials[m].bsdf)).count();
-        let mut model = |what, is: fn(&Bsdf) -> bool| {
+        let count = |is: fn(&Material) -> bool| used.iter().filter(|&&m| is(&scene.materials[m])).count();
+        let mut model = |what, is: fn(&Material) -> bool| {
             let wearing = count(is);
             let why = format!("{wearing} of {} used materials scatter so", used.len());
             decide(what, light_transport && (wearing > 0 || force.general), why)
         };
-        let microfacets =
-            model("conductor and dielectric", |bsdf| matches!(bsdf, Bsdf::Conductor { .. } | Bsdf::Dielectric { .. }));
-        let phong = model("phong", |bsdf| matches!(bsdf, Bsdf::Phong { .. }));
-        let coated = model("coated", |bsdf| matches!(bsdf, Bsdf::Coated { .. }));
+        let microfacets = model("conductor and dielectric", |m| {
+            matches!(m.bsdf, Bsdf::Conductor { .. } | Bsdf::Dielectric { .. }) || m.maps.metallic.is_some()
+        });
+        let phong = model("phong", |m| matches!(m.bsdf, Bsdf::Phong { .. }));
+        let coated = model("coated", |m| matches!(m.bsdf, Bsdf::Coated { .. }));
         let general = microfacets || phong || coated;
 
         let sphere_count = scene.spheres.len();
@@ -126,6 +135,28 @@ impl Plan {
         let delta_lights = decide("lights without extent", shining > 0 && light_transport, why);
         let radius = scene.camera.lens_radius;
         let lens = decide("lens", radius > 0.0, format!("its radius is {radius}"));
+        let images = Images::of(scene, &used);
+        let textures = decide(
+            "textures",
+            light_transport && (images.shading > 0 || force.general),
+            format!("{} of {} used materials have images", images.shading, used.len()),
+        );
+        let cutouts = decide(
+            "cut-outs",
+            images.cut_out > 0 || force.general,
+            format!("{} used materials let rays pass", images.cut_out),
+        );
+        let patterned_lights = decide(
+            "patterned lights",
+            area_lights && (images.patterned > 0 || force.general),
+            format!("{} used materials emit unevenly", images.patterned),
+        );
+        let mapped = scene.mesh.texcoords.len();
+        let texcoords = decide(
+            "texture coordinates",
+            mapped > 0 && (textures || cutouts),
+            format!("{mapped} in meshes that wear images"),
+        );
         decide("light transport", light_transport, format!("integrator {:?}", scene.integrator.kind).to_lowercase());
 
         let shading = if general { Shading::General } else { Shading::Lambert };
@@ -140,6 +171,10 @@ impl Plan {
             area_lights,
             delta_lights,
             lens,
+            textures,
+            cutouts,
+            patterned_lights,
+            texcoords,
             light_transport,
             decisions,
         }
@@ -152,6 +187,24 @@ impl Plan {
             .iter()
             .map(|d| format!("  {:8} {:26} {}\n", if d.kept { "kept" } else { "left out" }, d.what, d.why));
         format!("plan: geometry {:?}, shading {:?}\n{}", self.geometry, self.shading, lines.collect::<String>())
+    }
+}
+
+/// How many of the used materials have images or opacity below 1, and for what.
+struct Images {
+    shading: usize,
+    cut_out: usize,
+    patterned: usize,
+}
+
+impl Images {
+    fn of(scene: &Scene, used: &BTreeSet<usize>) -> Self {
+        let count = |has: fn(&Material) -> bool| used.iter().filter(|&&m| has(&scene.materials[m])).count();
+        Images {
+            shading: count(|m| m.maps.shade()),
+            cut_out: count(Material::is_cut_out),
+            patterned: count(Material::is_patterned),
+        }
     }
 }
 

@@ -18,4 +18,5 @@ mod renders;
 mod report;
 mod sampling;
 mod scene_files;
+mod textures;
 mod traversal;

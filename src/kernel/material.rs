@@ -206,6 +206,30 @@ impl<R: Real> MaterialAt<R> {
         }
     }
 
+    /// Multiplies the colours; a second beside the first is held to what the first leaves.
+    #[inline(always)]
+    pub(super) fn multiply(&mut self, first: Vec3<R>, second: Vec3<R>, active: R::Mask) {
+        self.a = self.a.hadamard(first);
+        let phong = self.is(KIND_PHONG) & active;
+        let held = |b: R, a: R| b.min_or(R::one() - a);
+        let b = self.b.hadamard(second);
+        let b = Vec3::new(held(b.x, self.a.x), held(b.y, self.a.y), held(b.z, self.a.z));
+        self.b = Vec3::select(phong, b, self.b);
+    }
+
+    #[inline(always)]
+    pub(super) fn set_alpha(&mut self, lanes: R::Mask, alpha: R) {
+        self.alpha = R::select(lanes, alpha, self.alpha);
+    }
+
+    /// A conductor with the first colour as reflectance at normal incidence.
+    #[inline(always)]
+    pub(super) fn make_metal(&mut self, lanes: R::Mask, alpha: R) {
+        self.kind = R::select(lanes, R::splat(KIND_CONDUCTOR), self.kind);
+        self.c = R::select(lanes, R::splat(FRESNEL_SCHLICK), self.c);
+        self.set_alpha(lanes, alpha);
+    }
+
     /// Reflectance as the feature image shows it: ρ of Lambert and below a coat, kd + ks of Phong, F at normal incidence
     /// of a conductor, 1 of glass.
     #[inline(always)]

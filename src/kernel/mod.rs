@@ -4,10 +4,14 @@
 //! instantiation out of [`select`]. Every instantiation is an entry there and nowhere else.
 
 mod camera;
+mod cutout;
+mod maps;
 mod material;
 mod path;
+mod pattern;
 mod probe;
 mod surface;
+mod texture;
 mod tile;
 mod view;
 mod world;
@@ -15,6 +19,7 @@ mod world;
 pub use camera::Camera;
 pub use path::Traversal;
 pub use probe::{Lanes, NoProbe, Probe, Record, Recorder, Stage};
+pub use texture::TextureTable;
 pub use tile::{Counters, Job, SampleBuffer};
 pub use world::{Prepare, Setup, World};
 

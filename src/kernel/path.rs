@@ -5,7 +5,9 @@
 //! (regeneration), so lanes stay full until the tile runs out. Every random number is a function of (seed, pixel,
 //! sample, dimension), and a path writes to its own slot: which lane it ran in leaves no trace.
 
+use super::cutout;
 use super::material::ShadingKind;
+use super::pattern;
 use super::probe::{Lanes, Probe, Stage};
 use super::surface::Surface;
 use super::tile::{CameraQueue, Counters, Job, SampleBuffer};
@@ -86,13 +88,13 @@ pub fn render<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     loop {
         if T::PRETRACED {
             if paths.alive.any() {
-                paths.hit = world.closest::<R, T::Bounce>(&paths.ray, paths.alive);
+                paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.alive);
             }
             queue.refill::<T>(&mut paths);
         } else {
             queue.refill::<T>(&mut paths);
             if paths.alive.any() {
-                paths.hit = world.closest::<R, T::Bounce>(&paths.ray, paths.alive);
+                paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.alive);
             }
         }
         if paths.alive.none() {
@@ -228,7 +230,10 @@ fn add_direct_light<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
         return;
     }
     let u_position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
-    let Some(light) = world.sample_light(surface.at.p, u[LIGHT_CHOICE], u_position, lit) else { return };
+    let Some(mut light) = world.sample_light(surface.at.p, u[LIGHT_CHOICE], u_position, lit) else { return };
+    if world.plan.patterned_lights {
+        pattern::look_up(world, &mut light, u_position, lit);
+    }
     let wi = frame.to_local(light.wi);
     let pdf = probe.tap(Stage::LightPdf, paths.lanes(lit), light.pdf);
     let lit = lit & pdf.gt(R::zero()) & same_side(wi.z, surface.ng.dot(light.wi));
@@ -249,6 +254,12 @@ fn add_direct_light<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     let occluded = world.occluded::<R, T::Shadow>(&ray, carries);
     let occluded = probe.tap_mask(Stage::Shadow, paths.lanes(carries), occluded);
     paths.radiance = paths.radiance + contribution.masked(carries & !occluded);
+    let hidden = carries & occluded;
+    if world.plan.cutouts && hidden.any() {
+        let clear = cutout::transmittance::<R, T::Bounce>(world, &ray, hidden);
+        let clear = probe.tap(Stage::Shadow, paths.lanes(hidden), clear);
+        paths.radiance = paths.radiance + (contribution * clear).masked(hidden);
+    }
 }
 
 /// The shadow ray of a light sample: to a point moved off its light, or to infinity.

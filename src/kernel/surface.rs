@@ -1,9 +1,10 @@
 //! From a hit to a surface: point, normals, material, of all lanes at once.
 
+use super::maps;
 use super::material::MaterialAt;
 use super::world::World;
 use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin, sphere_point, triangle_point};
-use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::lane::{Mask, Real, Vec3};
 
 /// Where a packet's rays met the scene.
 pub struct Surface<R: Real> {
@@ -25,9 +26,7 @@ impl<R: Real> Surface<R> {
     pub fn at(world: &World, ray: &Ray<R>, hit: &Hit<R>, active: R::Mask) -> Self {
         let mut on_sphere = R::Mask::splat(false);
         if world.plan.spheres {
-            // Primitives are fewer than 2³¹: the difference is negative for triangles.
-            let past_triangles = hit.primitive - R::Bits::splat(world.triangle_count);
-            on_sphere = past_triangles.shr::<31>().eq(R::Bits::splat(0)) & active;
+            on_sphere = world.on_sphere::<R>(hit.primitive) & active;
         }
         let on_triangle = active & !on_sphere;
         let triangle = world.triangles.fetch::<R>(hit.primitive, on_triangle);
@@ -49,6 +48,9 @@ impl<R: Real> Surface<R> {
             let [material, light_row] = world.tags.fetch::<R>(hit.primitive, active);
             surface.material = world.materials.fetch::<R>(material.to_int(), active);
             surface.light_row = light_row;
+            if world.plan.textures {
+                maps::apply(world, &mut surface, hit, material.to_int(), -ray.direction, active);
+            }
         }
         surface
     }

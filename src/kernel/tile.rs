@@ -1,5 +1,6 @@
 //! A worker's job: a tile, a range of samples, the queue of camera rays that feeds its lanes, and where results go.
 
+use super::cutout;
 use super::path::{Paths, Traversal};
 use super::world::World;
 use crate::accel::Mode;
@@ -204,7 +205,7 @@ impl<'a, R: Real> CameraQueue<'a, R> {
         let lens = self.world.plan.lens;
         let camera = &self.world.camera;
         let ray = if lens { camera.lens_ray(x, y, [u[LENS], u[LENS + 1]]) } else { camera.ray(x, y) };
-        let hit = if trace { self.world.closest::<R, M>(&ray, active) } else { Hit::miss(ray.t_max) };
+        let hit = if trace { cutout::closest::<R, M>(self.world, &ray, &rng, active) } else { Hit::miss(ray.t_max) };
         Some(CameraPacket { ray, hit, rng, slot, active, lens })
     }
 }

@@ -2,12 +2,14 @@
 
 use super::camera::Camera;
 use super::material::MaterialTable;
+use super::pattern::mean_radiance;
+use super::texture::TextureTable;
 use crate::accel::{Accel, BuildOptions, BuildReport, Mode, Preset};
 use crate::geometry::{Hit, Ray, Rows, SphereAt, SphereRows, TriangleRows};
 use crate::lane::{Bits, Real, Vec3, float_mode};
 use crate::light::{Emitter, EmitterShape, Extent, LightError, LightSample, Lights};
 use crate::plan::{GeometryMode, Plan};
-use crate::scene::{DeltaLight, FilmSize, Integrator, NO_NORMAL, Scene};
+use crate::scene::{DeltaLight, FilmSize, Integrator, NO_NORMAL, NO_TEXCOORD, Scene};
 use std::time::Instant;
 
 /// Everything a kernel needs to render a scene.
@@ -26,6 +28,9 @@ pub struct World {
     pub tags: Rows<2>,
     /// Three unit normals a triangle; the geometric one where it has none. Empty unless the plan keeps them.
     pub normals: Rows<9>,
+    /// Texture coordinates of the three vertices of a triangle. Empty unless the plan keeps them.
+    pub texcoords: Rows<8>,
+    pub textures: TextureTable,
     pub spheres: SphereRows,
     /// Triangles come first in primitive numbering; this many.
     pub triangle_count: u32,
@@ -44,6 +49,7 @@ pub struct Setup {
     pub tables_seconds: f64,
     pub tree: BuildReport,
     pub row_bytes: usize,
+    pub texture_bytes: usize,
 }
 
 /// Options of preparation that do not belong to the scene.
@@ -80,14 +86,17 @@ impl World {
         let start = Instant::now();
         let triangles = TriangleRows::new(&positions, &scene.mesh.triangles);
         let lights = if plan.light_transport { build_lights(scene, &plan, scale, &positions, &spheres)? } else { None };
-        let tags = if plan.light_transport { tag_rows(scene, lights.as_ref()) } else { Rows::new(&[]) };
+        let tags = if plan.light_transport || plan.cutouts { tag_rows(scene, lights.as_ref()) } else { Rows::new(&[]) };
         let normals = Rows::new(&if plan.shading_normals { normal_rows(scene) } else { Vec::new() });
+        let texcoords = Rows::new(&if plan.texcoords { texcoord_rows(scene) } else { Vec::new() });
+        let textures = TextureTable::new(if plan.textures || plan.cutouts { &scene.materials } else { &[] });
         let materials = MaterialTable::new(if plan.light_transport { &scene.materials } else { &[] });
         let setup = Setup {
             tree_seconds,
             tables_seconds: start.elapsed().as_secs_f64(),
             tree: accel.report().clone(),
-            row_bytes: triangles.bytes() + tags.bytes() + normals.bytes(),
+            row_bytes: triangles.bytes() + tags.bytes() + normals.bytes() + texcoords.bytes(),
+            texture_bytes: textures.bytes(),
         };
         Ok(World {
             camera: Camera::new(&scene.camera, scene.film, scale),
@@ -99,6 +108,8 @@ impl World {
             triangles,
             tags,
             normals,
+            texcoords,
+            textures,
             spheres: SphereRows::new(&spheres),
             triangle_count: scene.mesh.triangles.len() as u32,
             materials,
@@ -125,6 +136,12 @@ impl World {
     #[inline(never)]
     pub fn sample_light<R: Real>(&self, p: Vec3<R>, u_choice: R, u: [R; 2], active: R::Mask) -> Option<LightSample<R>> {
         Some(self.lights.as_ref()?.sample(p, u_choice, u, active))
+    }
+
+    /// Lanes whose primitive is a sphere. Primitives are fewer than 2³¹: the difference is negative for triangles.
+    #[inline(always)]
+    pub fn on_sphere<R: Real>(&self, primitive: R::Bits) -> R::Mask {
+        (primitive - R::Bits::splat(self.triangle_count)).shr::<31>().eq(R::Bits::splat(0))
     }
 
     /// The spheres that lanes hit.
@@ -163,7 +180,11 @@ fn build_lights(
     positions: &[[f32; 3]],
     spheres: &[([f32; 3], f32)],
 ) -> Result<Option<Lights>, LightError> {
-    let emits = |m: u32| scene.materials[m as usize].emission.iter().any(|&e| e > 0.0);
+    let emits = |m: u32| scene.materials[m as usize].emits();
+    let radiance = |primitive: usize, material: u32| match plan.patterned_lights {
+        true => mean_radiance(scene, primitive),
+        false => scene.materials[material as usize].emission,
+    };
     let triangle = |i: usize| {
         let [a, b, c] = scene.mesh.triangles[i].map(|v| positions[v as usize]);
         EmitterShape::Triangle { p0: a, e1: difference(b, a), e2: difference(c, a) }
@@ -171,13 +192,13 @@ fn build_lights(
     let mut emitters = Vec::new();
     if plan.area_lights {
         for (i, &material) in scene.mesh.material.iter().enumerate().filter(|(_, m)| emits(**m)) {
-            let radiance = scene.materials[material as usize].emission;
+            let radiance = radiance(i, material);
             emitters.push(Emitter { primitive: i as u32, shape: triangle(i), radiance });
         }
         for (i, sphere) in scene.spheres.iter().enumerate().filter(|(_, s)| emits(s.material)) {
             let primitive = (scene.mesh.triangles.len() + i) as u32;
             let shape = EmitterShape::Sphere { center: spheres[i].0, radius: spheres[i].1 };
-            emitters.push(Emitter { primitive, shape, radiance: scene.materials[sphere.material as usize].emission });
+            emitters.push(Emitter { primitive, shape, radiance: radiance(primitive as usize, sphere.material) });
         }
     }
     let environment = scene.environment.as_ref().filter(|_| plan.environment);
@@ -206,6 +227,17 @@ fn tag_rows(scene: &Scene, lights: Option<&Lights>) -> Rows<2> {
 
 fn difference(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// u and v of three vertices a triangle; (0, 0) where it has none.
+fn texcoord_rows(scene: &Scene) -> Vec<[f32; 8]> {
+    let mesh = &scene.mesh;
+    let corner = |i: u32| if i == NO_TEXCOORD { [0.0; 2] } else { mesh.texcoords[i as usize] };
+    let row = |indices: &[u32; 3]| {
+        let [a, b, c] = indices.map(corner);
+        [a[0], a[1], b[0], b[1], c[0], c[1], 0.0, 0.0]
+    };
+    mesh.texcoord_indices.iter().map(row).collect()
 }
 
 /// Three unit normals a triangle, zeros where it is shaded flat: [`Surface`](super::surface::Surface) then

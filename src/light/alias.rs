@@ -5,6 +5,7 @@
 //! the grid gets probability 0 instead of being drawn too often.
 
 use crate::lane::{Bits, MAX_WIDTH, Real};
+use crate::sampling::{mix3, to_unit};
 
 /// The most entries a table may have: indices are counted in `f32`.
 pub const MAX_ENTRIES: usize = 1 << 24;
@@ -183,19 +184,7 @@ pub fn place<R: Real>(n: usize, u: R, fine: R) -> (R::Bits, R) {
 
 /// Two fresh numbers in [0, 1) hashed from three used ones: three 24-bit numbers hold too little for a place in a
 /// table, the test against a threshold, and a point inside what was chosen, all to full precision.
-///
-/// The mixing is the final step of Jenkins's lookup3 (2006): every input bit reaches every output bit.
 #[inline(always)]
 pub fn fresh<R: Real>(u0: R, u1: R, u2: R) -> [R; 2] {
-    let offset = R::Bits::splat(0xdead_beef);
-    let [mut a, mut b, mut c] = [u0.to_bits() + offset, u1.to_bits() + offset, u2.to_bits() + offset];
-    c = (c ^ b) - b.rotl::<14>();
-    a = (a ^ c) - c.rotl::<11>();
-    b = (b ^ a) - a.rotl::<25>();
-    c = (c ^ b) - b.rotl::<16>();
-    a = (a ^ c) - c.rotl::<4>();
-    b = (b ^ a) - a.rotl::<14>();
-    c = (c ^ b) - b.rotl::<24>();
-    let to_unit = |bits: R::Bits| R::from_int(bits.shr::<8>()) * R::splat(1.0 / GRID as f32);
-    [to_unit(c), to_unit(b)]
+    crate::lane::array::map(mix3::<R>(u0.to_bits(), u1.to_bits(), u2.to_bits()), to_unit)
 }

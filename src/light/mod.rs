@@ -23,7 +23,7 @@ pub use environment::EnvironmentMap;
 pub use lights::{ENVIRONMENT_PROBABILITY, Lights};
 pub use sample::{DELTA_LIGHT, LightSample, NO_PRIMITIVE};
 pub use sphere::sphere_pdf;
-pub use triangle::triangle_pdf;
+pub use triangle::{triangle_barycentrics, triangle_pdf};
 
 use thiserror::Error;
 

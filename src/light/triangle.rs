@@ -18,6 +18,12 @@ pub fn triangle_pdf<R: Real>(row: R, t: R, cos: R) -> R {
     pdf.masked(cos.gt(R::zero()) & pdf.is_finite())
 }
 
+/// Weights of vertices 1 and 2 at the point of a triangle that [`Lights::sample`](super::Lights::sample) takes for `u`.
+#[inline(always)]
+pub fn triangle_barycentrics<R: Real>(u: [R; 2]) -> [R; 2] {
+    warp::uniform_triangle(u)
+}
+
 /// A triangle per lane, with its unit front normal.
 pub(super) struct Triangle<R> {
     pub p0: Vec3<R>,
@@ -29,7 +35,7 @@ pub(super) struct Triangle<R> {
 /// A point uniform in area, seen from `origin`; the density in solid angle is `row`·t²/cos.
 #[inline(always)]
 pub(super) fn sample<R: Real>(light: &Triangle<R>, row: R, origin: Vec3<R>, u: [R; 2]) -> LightPoint<R> {
-    let [b1, b2] = warp::uniform_triangle(u);
+    let [b1, b2] = triangle_barycentrics(u);
     let along = light.e1 * b1;
     let target = light.p0 + light.e2.mul_add(b2, along);
     let error = (light.p0.abs() + along.abs() + (light.e2 * b2).abs()) * R::splat(GAMMA_7);

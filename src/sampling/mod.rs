@@ -6,6 +6,7 @@
 pub mod dimensions;
 mod frame;
 mod key;
+mod mix;
 pub mod sobol;
 mod sobol_table;
 pub mod warp;
@@ -13,6 +14,7 @@ mod xoshiro;
 
 pub use frame::Frame;
 pub use key::sample_key;
+pub use mix::{mix3, to_unit};
 pub use xoshiro::Xoshiro;
 
 use crate::lane::Real;

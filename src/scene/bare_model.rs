@@ -6,7 +6,7 @@ use super::mesh_file::add_obj;
 use super::notes::Notes;
 use super::surroundings::Surroundings;
 use super::toml_file::{DEFAULT_FILM, DEFAULT_INTEGRATOR};
-use super::{Bsdf, Camera, Environment, Material, Mesh, Scene, Sphere};
+use super::{Camera, Environment, Material, Mesh, Scene, Sphere};
 use glam::DVec3;
 use std::path::Path;
 
@@ -41,7 +41,7 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
     let camera = view.camera().ok_or_else(lost)?;
     let mut spheres = Vec::new();
     let mut environment = None;
-    if !materials.iter().any(|material| material.emission.iter().any(|&c| c > 0.0)) {
+    if !materials.iter().any(Material::emits) {
         if is_room {
             let (lamp, material) = lamp(&around, &view, materials.len() as u32, notes);
             if !(lamp.radius > 0.0 && material.emission[0].is_finite()) {
@@ -122,8 +122,7 @@ fn lamp(around: &Surroundings, view: &View, material: u32, notes: &mut Notes) ->
         "nothing emits: a spherical lamp behind the camera, radius {radius:.3}, radiance {radiance:.3}, lights the room"
     ));
     let emission = [radiance; 3];
-    let material_of_lamp =
-        Material { name: "lamp".to_owned(), bsdf: Bsdf::Diffuse { reflectance: [0.0; 3] }, emission };
+    let material_of_lamp = Material { name: "lamp".to_owned(), emission, ..Material::default() };
     (Sphere { center: center.as_vec3().to_array(), radius: radius as f32, material }, material_of_lamp)
 }
 

@@ -1,6 +1,8 @@
 //! Which material a name means, and its index in the scene.
 
+use super::draft::Draft;
 use super::error::SceneError;
+use super::image_file::ImageFiles;
 use super::load::beside;
 use super::mtl::{ASSUMED_GREY, Library};
 use super::notes::Notes;
@@ -14,34 +16,29 @@ use std::path::{Path, PathBuf};
 pub(super) struct Materials {
     used: Vec<Material>,
     /// The `[materials]` of a scene file.
-    defined: BTreeMap<String, Material>,
+    defined: BTreeMap<String, Draft>,
+    images: ImageFiles,
     /// Index by the MTL file a material came from (none: `[materials]`, or the assumed grey) and its name.
     indices: HashMap<(Option<PathBuf>, String), u32>,
 }
 
 impl Materials {
-    pub fn new(defined: BTreeMap<String, Material>) -> Self {
+    pub fn new(defined: BTreeMap<String, Draft>) -> Self {
         Self { defined, ..Self::default() }
     }
 
     /// A material of `[materials]`.
-    pub fn defined(&mut self, name: &str) -> Option<u32> {
-        let material = self.defined.get(name)?.clone();
-        Some(self.index(None, material))
+    pub fn defined(&mut self, name: &str, notes: &mut Notes) -> Option<Result<u32, SceneError>> {
+        let draft = self.defined.get(name)?.clone();
+        Some(self.index(None, draft, notes))
     }
 
     /// What a face is made of that names no material.
-    pub fn grey(&mut self, file: &Path, notes: &mut Notes) -> u32 {
+    pub fn grey(&mut self, file: &Path, notes: &mut Notes) -> Result<u32, SceneError> {
         notes.assume(format!("{}: faces without a material are diffuse, reflectance {ASSUMED_GREY}", file.display()));
         // No material can be defined under the empty name in an OBJ file.
-        self.index(
-            None,
-            Material {
-                name: String::new(),
-                bsdf: Bsdf::Diffuse { reflectance: [ASSUMED_GREY; 3] },
-                emission: [0.0; 3],
-            },
-        )
+        let grey = Material { bsdf: Bsdf::Diffuse { reflectance: [ASSUMED_GREY; 3] }, ..Material::default() };
+        self.index(None, grey.into(), notes)
     }
 
     /// The index of each of an OBJ file's materials; those that no face wears get one that no triangle will bear.
@@ -50,20 +47,21 @@ impl Materials {
         outline
             .materials
             .iter()
-            .map(|wanted| match self.defined(&wanted.name) {
-                _ if !wanted.worn => Ok(u32::MAX),
-                Some(index) => Ok(index),
-                None => {
-                    let (library, material) = libraries.material(file, wanted, notes)?;
-                    Ok(self.index(Some(library), material))
+            .map(|wanted| {
+                if !wanted.worn {
+                    return Ok(u32::MAX);
                 }
+                self.defined(&wanted.name, notes).unwrap_or_else(|| {
+                    let (library, draft) = libraries.material(file, wanted, notes)?;
+                    self.index(Some(library), draft, notes)
+                })
             })
             .collect()
     }
 
     /// All materials in use, and the names of those defined in vain.
     pub fn finish(self) -> (Vec<Material>, Vec<String>) {
-        let Self { used, mut defined, indices } = self;
+        let Self { used, mut defined, indices, .. } = self;
         for (origin, name) in indices.keys() {
             if origin.is_none() {
                 defined.remove(name);
@@ -72,11 +70,20 @@ impl Materials {
         (used, defined.into_keys().collect())
     }
 
-    fn index(&mut self, origin: Option<PathBuf>, material: Material) -> u32 {
-        *self.indices.entry((origin, material.name.clone())).or_insert_with(|| {
-            self.used.push(material);
-            (self.used.len() - 1) as u32
-        })
+    /// All materials in use so far.
+    pub fn used(&self) -> &[Material] {
+        &self.used
+    }
+
+    fn index(&mut self, origin: Option<PathBuf>, draft: Draft, notes: &mut Notes) -> Result<u32, SceneError> {
+        let key = (origin, draft.material.name.clone());
+        if let Some(&index) = self.indices.get(&key) {
+            return Ok(index);
+        }
+        let index = self.used.len() as u32;
+        self.used.push(draft.finish(&mut self.images, notes)?);
+        self.indices.insert(key, index);
+        Ok(index)
     }
 }
 
@@ -103,7 +110,7 @@ impl Libraries {
         Ok(libraries)
     }
 
-    fn material(&self, obj: &Path, wanted: &MaterialUse, notes: &mut Notes) -> Result<(PathBuf, Material), SceneError> {
+    fn material(&self, obj: &Path, wanted: &MaterialUse, notes: &mut Notes) -> Result<(PathBuf, Draft), SceneError> {
         let found = |library: &Library| Some((library.file.clone(), library.material(&wanted.name, notes)?));
         match self.read.iter().rev().find_map(found) {
             Some((file, material)) => Ok((file, material?)),

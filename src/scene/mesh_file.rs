@@ -1,14 +1,15 @@
 //! One OBJ file joins the scene: its triangles, and the materials they wear.
 
-use super::Mesh;
 use super::error::SceneError;
 use super::materials::Materials;
 use super::notes::Notes;
 use super::obj::{self, Placement};
 use super::transform::Transform;
+use super::{Mesh, NO_TEXCOORD, obj_texcoords};
 use std::path::Path;
 
-/// Reads `file` and appends it to `mesh`. `flat` ignores vertex normals.
+/// Reads `file` and appends it to `mesh`, with texture coordinates where a texture is worn. `flat` ignores vertex
+/// normals.
 pub(super) fn add_obj(
     mesh: &mut Mesh,
     materials: &mut Materials,
@@ -19,6 +20,17 @@ pub(super) fn add_obj(
 ) -> Result<(), SceneError> {
     let read = obj::read(file, notes)?;
     let indices = materials.of_mesh(file, &read.outline, notes)?;
-    let default_material = if read.outline.has_bare_faces { materials.grey(file, notes) } else { u32::MAX };
-    obj::append(mesh, read, &Placement { file, transform, flat, materials: &indices, default_material })
+    let default_material = if read.outline.has_bare_faces { materials.grey(file, notes)? } else { u32::MAX };
+    let first = mesh.triangles.len();
+    obj::append(mesh, read, &Placement { file, transform, flat, materials: &indices, default_material })?;
+    let textured: Vec<bool> = materials.used().iter().map(|material| material.maps.any()).collect();
+    let wears_texture = |&material: &u32| textured[material as usize];
+    if mesh.material[first..].iter().any(wears_texture) {
+        let mirrors = transform.is_some_and(Transform::mirrors);
+        obj_texcoords::append(mesh, file, first, mirrors, wears_texture, notes)?;
+    }
+    if !mesh.texcoords.is_empty() {
+        mesh.texcoord_indices.resize(mesh.triangles.len(), [NO_TEXCOORD; 3]);
+    }
+    Ok(())
 }

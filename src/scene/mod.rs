@@ -5,17 +5,22 @@
 
 mod bare_model;
 mod domain;
+mod draft;
 mod environment;
 mod error;
 mod fingerprint;
+mod image_file;
 mod load;
 mod materials;
 mod mesh_file;
 mod mtl;
+mod mtl_maps;
 mod notes;
 mod obj;
 mod obj_feed;
+mod obj_texcoords;
 mod surroundings;
+mod texture;
 mod toml_file;
 mod toml_light;
 mod toml_material;
@@ -24,6 +29,7 @@ mod transform;
 
 pub use error::SceneError;
 pub use load::load;
+pub use texture::{Channel, Image, Maps, Texels, Texture};
 
 /// A validated scene. Every number in it is finite and inside its documented domain; every index is in range.
 #[derive(Clone, Debug)]
@@ -150,10 +156,17 @@ pub struct Mesh {
     pub normals: Vec<[f32; 3]>,
     /// Three indices into `normals` a triangle, [`NO_NORMAL`] where it has none; empty where `normals` is.
     pub normal_indices: Vec<[u32; 3]>,
+    /// Texture coordinates; empty where no material in use has a texture.
+    pub texcoords: Vec<[f32; 2]>,
+    /// Three indices into `texcoords` a triangle, [`NO_TEXCOORD`] where it has none; empty where `texcoords` is.
+    pub texcoord_indices: Vec<[u32; 3]>,
 }
 
 /// In [`Mesh::normal_indices`]: this triangle is shaded flat.
 pub const NO_NORMAL: u32 = u32::MAX;
+
+/// In [`Mesh::texcoord_indices`]: this corner reads textures at (0, 0).
+pub const NO_TEXCOORD: u32 = u32::MAX;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
@@ -169,6 +182,41 @@ pub struct Material {
     pub bsdf: Bsdf,
     /// Radiance from the front side: counter-clockwise triangles, outside of spheres. ≥ 0.
     pub emission: [f32; 3],
+    /// The probability with which a ray that arrives sees the surface at all; others go on as if it were not there,
+    /// which is not a bounce. In [0, 1].
+    pub opacity: f32,
+    /// Images that multiply the numbers above.
+    pub maps: Maps,
+}
+
+impl Default for Material {
+    /// Black, opaque, nameless.
+    fn default() -> Self {
+        Material {
+            name: String::new(),
+            bsdf: Bsdf::Diffuse { reflectance: [0.0; 3] },
+            emission: [0.0; 3],
+            opacity: 1.0,
+            maps: Maps::default(),
+        }
+    }
+}
+
+impl Material {
+    /// May a ray pass through it?
+    pub fn is_cut_out(&self) -> bool {
+        self.opacity < 1.0 || self.maps.opacity.is_some()
+    }
+
+    /// Does radiance times opacity change over what wears it, or differ from its emission?
+    pub fn is_patterned(&self) -> bool {
+        self.emits() && (self.maps.emission.is_some() || self.is_cut_out())
+    }
+
+    /// Does it emit anything?
+    pub fn emits(&self) -> bool {
+        self.emission.iter().any(|&e| e > 0.0)
+    }
 }
 
 /// How a surface scatters.

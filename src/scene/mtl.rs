@@ -1,7 +1,9 @@
 //! Wavefront MTL through tobj, and what its materials mean here.
 
 use super::domain::{Domain, NON_NEGATIVE, POSITIVE, UNIT};
+use super::draft::{Draft, MapUse, Slot};
 use super::error::SceneError;
+use super::mtl_maps;
 use super::notes::Notes;
 use super::{Bsdf, ConductorFresnel, Masking, Material};
 use crate::bsdf::EXPONENT_MAX;
@@ -18,6 +20,8 @@ struct Entry {
     parsed: tobj::Material,
     /// Where each key was set last.
     lines: BTreeMap<String, usize>,
+    /// The values of texture statements.
+    maps: BTreeMap<String, String>,
 }
 
 impl Library {
@@ -25,29 +29,37 @@ impl Library {
     pub fn read(file: PathBuf) -> Result<Self, SceneError> {
         let bytes = std::fs::read(&file).map_err(|error| SceneError::unreadable(&file, &error))?;
         let text = String::from_utf8_lossy(&bytes);
-        let (canonical, lines) = check(&file, text.trim_start_matches('\u{feff}'))?;
+        let (canonical, keys) = check(&file, text.trim_start_matches('\u{feff}'))?;
         let (parsed, _) = tobj::load_mtl_buf(&mut canonical.as_bytes()).map_err(|error| {
             SceneError::whole(&file, format!("cannot be read: {error}"), "export the materials again")
         })?;
-        let entries = parsed.into_iter().zip(lines).map(|(parsed, lines)| Entry { parsed, lines }).collect();
+        let entries = parsed.into_iter().zip(keys);
+        let entries = entries.map(|(parsed, Keys { lines, maps })| Entry { parsed, lines, maps }).collect();
         Ok(Self { file, entries })
     }
 
     /// The material of that name; the last one, where several bear it. `None` where there is none.
-    pub fn material(&self, name: &str, notes: &mut Notes) -> Option<Result<Material, SceneError>> {
+    pub fn material(&self, name: &str, notes: &mut Notes) -> Option<Result<Draft, SceneError>> {
         let entry = self.entries.iter().rfind(|entry| entry.parsed.name == name)?;
-        Some(Reading { file: &self.file, entry, notes }.material())
+        Some(Reading { file: &self.file, entry, notes, maps: Vec::new() }.material())
     }
 }
 
 const COLOURS: [&str; 5] = ["Ka", "Kd", "Ks", "Ke", "Tf"];
 const SCALARS: [&str; 12] = ["Ns", "Ni", "d", "Tr", "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso", "anisor", "sharpness"];
 
+/// The keys of one material: see [`Entry`].
+#[derive(Default)]
+struct Keys {
+    lines: BTreeMap<String, usize>,
+    maps: BTreeMap<String, String>,
+}
+
 /// Checks every line. Returns a text that tobj reads without panicking (it does on a colour of fewer than three
-/// numbers), and for each material the lines of its keys.
-fn check(file: &Path, text: &str) -> Result<(String, Vec<BTreeMap<String, usize>>), SceneError> {
+/// numbers), and the keys of each material.
+fn check(file: &Path, text: &str) -> Result<(String, Vec<Keys>), SceneError> {
     let mut canonical = String::new();
-    let mut materials: Vec<BTreeMap<String, usize>> = Vec::new();
+    let mut materials: Vec<Keys> = Vec::new();
     for (number, raw) in (1..).zip(text.lines()) {
         let (key, value) = raw.trim().split_once(char::is_whitespace).unwrap_or((raw.trim(), ""));
         let value = value.trim();
@@ -58,12 +70,15 @@ fn check(file: &Path, text: &str) -> Result<(String, Vec<BTreeMap<String, usize>
             if value.is_empty() {
                 return Err(SceneError::at(file, number, "`newmtl` without a name", "name the material"));
             }
-            materials.push(BTreeMap::new());
+            materials.push(Keys::default());
         }
-        let Some(lines) = materials.last_mut() else {
+        let Some(keys) = materials.last_mut() else {
             return Err(SceneError::at(file, number, format!("`{key}` before any `newmtl`"), "name a material first"));
         };
-        lines.insert(key.to_owned(), number);
+        keys.lines.insert(key.to_owned(), number);
+        if mtl_maps::is_map(key) {
+            keys.maps.insert(key.to_owned(), value.to_owned());
+        }
         let value = canonical_value(key, value)
             .map_err(|(message, mend)| SceneError::at(file, number, format!("`{key}` {message}"), mend))?;
         canonical.push_str(&format!("{key} {value}\n"));
@@ -109,6 +124,8 @@ struct Reading<'a> {
     file: &'a Path,
     entry: &'a Entry,
     notes: &'a mut Notes,
+    /// The images that are honoured.
+    maps: Vec<MapUse>,
 }
 
 /// Roughness that is assumed where a metal gives none (`Pr`).
@@ -119,11 +136,50 @@ pub(super) const ASSUMED_GREY: f32 = 0.8;
 const ASSUMED_IOR: f32 = 1.5;
 
 impl Reading<'_> {
-    fn material(mut self) -> Result<Material, SceneError> {
-        let emission = self.colour("Ke", self.entry.parsed.emissive, &NON_NEGATIVE)?.unwrap_or_default();
+    fn material(mut self) -> Result<Draft, SceneError> {
+        let mut emission = self.colour("Ke", self.entry.parsed.emissive, &NON_NEGATIVE)?.unwrap_or_default();
+        // Exporters leave Ke at 0 beside a map; where it is not, it is the map's strength.
+        if self.map("map_Ke", Slot::Emission)? && emission == [0.0; 3] {
+            emission = [1.0; 3];
+        }
         let bsdf = self.bsdf()?;
+        let opacity = if matches!(bsdf, Bsdf::Dielectric { .. }) { 1.0 } else { self.opacity()? };
+        if !self.map("norm", Slot::Normal)? {
+            for key in ["map_Bump", "map_bump", "bump"] {
+                if self.map(key, Slot::Bump)? {
+                    break;
+                }
+            }
+        }
+        let metal_alpha = if self.is_mapped(Slot::Metallic) { self.alpha()? } else { 0.0 };
         self.pass_over();
-        Ok(Material { name: self.entry.parsed.name.clone(), bsdf, emission })
+        let name = self.entry.parsed.name.clone();
+        let mut material = Material { name, bsdf, emission, opacity, ..Material::default() };
+        material.maps.metal_alpha = metal_alpha;
+        Ok(Draft { material, maps: self.maps })
+    }
+
+    /// `d` (or 1 − `Tr`), with `map_d`.
+    fn opacity(&mut self) -> Result<f32, SceneError> {
+        let dissolve = self.scalar("d", self.entry.parsed.dissolve, &UNIT)?;
+        let transparency = self.scalar("Tr", self.unknown("Tr"), &UNIT)?;
+        let opacity = dissolve.or(transparency.map(|tr| 1.0 - tr)).unwrap_or(1.0);
+        // Nothing is mapped onto nothing: some exporters write 0 beside a map.
+        Ok(if self.map("map_d", Slot::Opacity)? && opacity == 0.0 { 1.0 } else { opacity })
+    }
+
+    /// Honours a texture statement, if there is one of that key.
+    fn map(&mut self, key: &str, slot: Slot) -> Result<bool, SceneError> {
+        let Some(value) = self.entry.maps.get(key) else { return Ok(false) };
+        let line = self.line(key);
+        let statement = mtl_maps::parse(key, value, slot, self.file, line).map_err(|what| {
+            SceneError::at(self.file, line, format!("`{key}` {what}"), "write `map_Kd [options] FILE`")
+        })?;
+        for option in statement.passed_over {
+            self.notes.not_honoured(self.file, line, &option, "textures repeat, and are read as they are");
+        }
+        self.maps.push(statement.map);
+        Ok(true)
     }
 
     fn bsdf(&mut self) -> Result<Bsdf, SceneError> {
@@ -136,28 +192,26 @@ impl Reading<'_> {
             }
             Some(5) => {
                 let reflectance = self.colour("Ks", parsed.specular, &UNIT)?.unwrap_or([1.0; 3]);
+                let reflectance = if self.map("map_Ks", Slot::Colour)? { [1.0; 3] } else { reflectance };
                 return Ok(conductor(0.0, ConductorFresnel::Constant { reflectance }));
             }
             _ => {}
         }
-        if self.parameter("d", parsed.dissolve).is_some_and(|d| d < 1.0) {
-            self.warn("d", "transparency (d < 1) is not rendered yet: the surface is opaque");
-        }
-        if self.unknown("Tr").is_some_and(|tr| tr > 0.0) {
-            self.warn("Tr", "transparency (Tr > 0) is not rendered yet: the surface is opaque");
-        }
         let metallic = self.scalar("Pm", self.unknown("Pm"), &UNIT)?.is_some_and(|metallic| metallic >= 0.5);
+        let metallic = metallic & !self.map("map_Pm", Slot::Metallic)?;
         let albedo = self.colour("Kd", parsed.diffuse, &UNIT)?;
+        // A map replaces Kd: exporters leave there what the number was before the image came.
+        let albedo = if self.map("map_Kd", Slot::Colour)? { Some([1.0; 3]) } else { albedo };
         let albedo = albedo.unwrap_or_else(|| [self.assume("diffuse reflectance (Kd)", ASSUMED_GREY); 3]);
         if metallic {
-            let roughness = self.scalar("Pr", self.unknown("Pr"), &UNIT)?;
-            let roughness = roughness.unwrap_or_else(|| self.assume("roughness (Pr)", ASSUMED_ROUGHNESS));
-            return Ok(conductor(roughness * roughness, ConductorFresnel::Schlick { f0: albedo }));
+            self.map("map_Pr", Slot::Roughness)?;
+            return Ok(conductor(self.alpha()?, ConductorFresnel::Schlick { f0: albedo }));
         }
-        if let Some(roughness) = self.scalar("Pr", self.unknown("Pr"), &UNIT)? {
+        let is_mapped = self.map("map_Pr", Slot::Roughness)?;
+        if is_mapped || self.entry.lines.contains_key("Pr") {
             let ior = self.scalar("Ni", parsed.optical_density, &POSITIVE)?;
             let ior = ior.unwrap_or_else(|| self.assume("index of refraction (Ni)", ASSUMED_IOR));
-            let alpha = roughness * roughness;
+            let alpha = self.alpha()?;
             return Ok(Bsdf::Coated { reflectance: albedo, alpha, masking: Masking::Correlated, ior });
         }
         self.phong(albedo)
@@ -170,10 +224,15 @@ impl Reading<'_> {
             return Ok(Bsdf::Diffuse { reflectance: diffuse });
         };
         let specular = self.colour("Ks", parsed.specular, &NON_NEGATIVE)?.unwrap_or_default();
+        // As with Kd: the image says it alone.
+        let specular = if self.map("map_Ks", Slot::Specular)? { [1.0; 3] } else { specular };
         if exponent > EXPONENT_MAX {
             self.warn("Ns", "it is lowered to 1e7, the narrowest lobe that is rendered");
         }
-        let room = std::array::from_fn(|c| specular[c].min(1.0 - diffuse[c]));
+        // Where an image says Kd or Ks, both are held to 1 together point by point.
+        let is_mapped = self.is_mapped(Slot::Colour) || self.is_mapped(Slot::Specular);
+        let most = |c: usize| if is_mapped { 1.0 } else { 1.0 - diffuse[c] };
+        let room = std::array::from_fn(|c| specular[c].min(most(c)));
         if room != specular {
             self.warn("Ks", "Kd + Ks is more than 1 in a channel, and Ks lowered to 1 - Kd there");
         }
@@ -181,6 +240,20 @@ impl Reading<'_> {
             return Ok(Bsdf::Diffuse { reflectance: diffuse });
         }
         Ok(Bsdf::Phong { diffuse, specular: room, exponent: exponent.min(EXPONENT_MAX) })
+    }
+
+    /// GGX width of a metal, a coat, or of where `map_Pm` makes it a metal.
+    fn alpha(&mut self) -> Result<f32, SceneError> {
+        let roughness = match self.scalar("Pr", self.unknown("Pr"), &UNIT)? {
+            Some(roughness) => roughness,
+            None if self.is_mapped(Slot::Roughness) => 1.0,
+            None => self.assume("roughness (Pr)", ASSUMED_ROUGHNESS),
+        };
+        Ok(roughness * roughness)
+    }
+
+    fn is_mapped(&self, slot: Slot) -> bool {
+        self.maps.iter().any(|map| map.slot == slot)
     }
 
     /// Warns of the keys that change nothing for any material yet.
@@ -191,8 +264,8 @@ impl Reading<'_> {
                 "Ka" if self.entry.parsed.ambient == Some([0.0; 3]) => continue,
                 "Ka" => "ambient light is computed, not given",
                 key if self.unknown(key) == Some(0.0) => continue,
-                "bump" | "norm" | "disp" | "decal" | "refl" => "textures are not rendered yet",
-                key if key.starts_with("map_") => "textures are not rendered yet",
+                key if self.maps.iter().any(|map| map.key == key) => continue,
+                key if mtl_maps::is_map(key) => "no material here has such a map",
                 _ => "no material here has such a property",
             };
             self.notes.not_honoured(self.file, self.entry.lines[key], key, why);

@@ -1,6 +1,7 @@
 //! `scene.toml`.
 
 use super::domain::{FIELD_OF_VIEW, FINITE, NON_NEGATIVE, POSITIVE};
+use super::draft::Draft;
 use super::error::SceneError;
 use super::load::beside;
 use super::materials::Materials;
@@ -10,7 +11,7 @@ use super::toml_light::{DirectionalTable, EnvironmentTable, PointTable, SpotTabl
 use super::toml_material::MaterialTable;
 use super::toml_text::{Numbers, TomlText};
 use super::transform::Transform;
-use super::{Camera, FilmSize, Integrator, IntegratorKind, Material, Mesh, Scene, Sphere};
+use super::{Camera, FilmSize, Integrator, IntegratorKind, Mesh, Scene, Sphere};
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -106,7 +107,7 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
     let film = film(table.film.as_ref(), &text)?;
     let integrator = integrator(table.integrator.as_ref(), &text)?;
     let mut materials = Materials::new(defined_materials(&table.materials, &text)?);
-    let spheres = spheres(&table.sphere, &mut materials, &text)?;
+    let spheres = spheres(&table.sphere, &mut materials, notes, &text)?;
     // A view shows geometry: an environment image would be read for nothing.
     let lit = table.environment.filter(|_| integrator.kind.transports_light());
     let environment = lit.map(|table| environment(&table, &text)).transpose()?;
@@ -211,7 +212,7 @@ fn integrator(table: Option<&IntegratorTable>, text: &TomlText) -> Result<Integr
 fn defined_materials(
     tables: &BTreeMap<Spanned<String>, MaterialTable>,
     text: &TomlText,
-) -> Result<BTreeMap<String, Material>, SceneError> {
+) -> Result<BTreeMap<String, Draft>, SceneError> {
     let read = |(name, table): (&Spanned<String>, &MaterialTable)| {
         if name.as_ref().trim().is_empty() {
             return Err(text.error(name.span(), "a material without a name", "name it: [materials.NAME]"));
@@ -221,7 +222,12 @@ fn defined_materials(
     tables.iter().map(read).collect()
 }
 
-fn spheres(tables: &[SphereTable], materials: &mut Materials, text: &TomlText) -> Result<Vec<Sphere>, SceneError> {
+fn spheres(
+    tables: &[SphereTable],
+    materials: &mut Materials,
+    notes: &mut Notes,
+    text: &TomlText,
+) -> Result<Vec<Sphere>, SceneError> {
     let read = |table: &SphereTable| {
         let center = text.vector("center", &table.center, &FINITE)?;
         let radius = text.number("radius", &table.radius, &POSITIVE)?;
@@ -229,9 +235,9 @@ fn spheres(tables: &[SphereTable], materials: &mut Materials, text: &TomlText) -
             return Err(text.error(table.radius.span(), "the sphere leaves single precision", "use smaller lengths"));
         }
         let name = table.material.as_ref();
-        let material = materials.defined(name).ok_or_else(|| {
+        let material = materials.defined(name, notes).unwrap_or_else(|| {
             let mend = format!("add [materials.{name}], or name another");
-            text.error(table.material.span(), format!("material `{name}` is not defined"), mend)
+            Err(text.error(table.material.span(), format!("material `{name}` is not defined"), mend))
         })?;
         Ok(Sphere { center, radius, material })
     };

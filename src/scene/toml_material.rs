@@ -1,10 +1,13 @@
 //! `[materials.NAME]`.
 
 use super::domain::{Domain, EXPONENT, NON_NEGATIVE, POSITIVE, UNIT};
+use super::draft::{Draft, MapUse, Slot};
 use super::error::SceneError;
-use super::toml_text::{Colour, TomlText};
+use super::load::beside;
+use super::toml_text::{Colour, Paint, TomlText};
 use super::{Bsdf, ConductorFresnel, Masking, Material};
 use serde::Deserialize;
+use std::cell::RefCell;
 use std::ops::Range;
 use toml::Spanned;
 
@@ -13,25 +16,33 @@ use toml::Spanned;
 #[serde(deny_unknown_fields)]
 pub(super) struct MaterialTable {
     r#type: Spanned<String>,
-    reflectance: Option<Spanned<Colour>>,
-    emission: Option<Spanned<Colour>>,
+    reflectance: Option<Spanned<Paint>>,
+    emission: Option<Spanned<Paint>>,
+    opacity: Option<Spanned<Paint>>,
+    normal_map: Option<Spanned<String>>,
     alpha: Option<Spanned<f64>>,
     masking: Option<Spanned<String>>,
     eta: Option<Spanned<Colour>>,
     k: Option<Spanned<Colour>>,
-    f0: Option<Spanned<Colour>>,
+    f0: Option<Spanned<Paint>>,
     ior: Option<Spanned<f64>>,
-    diffuse: Option<Spanned<Colour>>,
-    specular: Option<Spanned<Colour>>,
+    diffuse: Option<Spanned<Paint>>,
+    specular: Option<Spanned<Paint>>,
     exponent: Option<Spanned<f64>>,
 }
 
 impl MaterialTable {
     /// The material it describes.
-    pub fn read(&self, name: &str, text: &TomlText) -> Result<Material, SceneError> {
-        let reading = Reading { table: self, text };
-        let emission = reading.colour("emission", &self.emission, &NON_NEGATIVE)?.unwrap_or_default();
-        Ok(Material { name: name.to_owned(), bsdf: reading.bsdf()?, emission })
+    pub fn read(&self, name: &str, text: &TomlText) -> Result<Draft, SceneError> {
+        let reading = Reading { table: self, text, maps: RefCell::default() };
+        let emission = reading.paint("emission", &self.emission, &NON_NEGATIVE, Slot::Emission)?.unwrap_or_default();
+        let opacity = reading.opacity()?;
+        let bsdf = reading.bsdf()?;
+        if let Some(image) = &self.normal_map {
+            reading.map("normal_map", image.as_ref(), image.span(), Slot::Normal);
+        }
+        let material = Material { name: name.to_owned(), bsdf, emission, opacity, ..Material::default() };
+        Ok(Draft { material, maps: reading.maps.into_inner() })
     }
 
     /// The keys that are set, with their places.
@@ -59,6 +70,8 @@ impl MaterialTable {
 struct Reading<'a> {
     table: &'a MaterialTable,
     text: &'a TomlText<'a>,
+    /// The images named so far.
+    maps: RefCell<Vec<MapUse>>,
 }
 
 impl Reading<'_> {
@@ -93,13 +106,17 @@ impl Reading<'_> {
     }
 
     fn phong(&self) -> Result<Bsdf, SceneError> {
-        let diffuse = self.colour("diffuse", &self.table.diffuse, &UNIT)?.ok_or_else(|| self.missing("diffuse"))?;
-        let specular = self.colour("specular", &self.table.specular, &UNIT)?.ok_or_else(|| self.missing("specular"))?;
+        let diffuse = self.paint("diffuse", &self.table.diffuse, &UNIT, Slot::Colour)?;
+        let diffuse = diffuse.ok_or_else(|| self.missing("diffuse"))?;
+        let specular = self.paint("specular", &self.table.specular, &UNIT, Slot::Specular)?;
+        let specular = specular.ok_or_else(|| self.missing("specular"))?;
         let exponent = self.table.exponent.as_ref().ok_or_else(|| self.missing("exponent"))?;
         let exponent = self.text.number("exponent", exponent, &EXPONENT)?;
         // What the rounding of both to f32 may add.
         let most = 1.0 + f64::from(f32::EPSILON);
-        if diffuse.iter().zip(specular).any(|(&kd, ks)| f64::from(kd) + f64::from(ks) > most) {
+        // Images are held to it point by point.
+        let is_number = self.maps.borrow().iter().all(|map| !matches!(map.slot, Slot::Colour | Slot::Specular));
+        if is_number && diffuse.iter().zip(specular).any(|(&kd, ks)| f64::from(kd) + f64::from(ks) > most) {
             let place = self.table.specular.as_ref().map_or(0..0, Spanned::span);
             let message = "`diffuse` + `specular` is more than 1 in a channel: the surface would make light";
             return Err(self.text.error(place, message, "lower one of them"));
@@ -108,7 +125,8 @@ impl Reading<'_> {
     }
 
     fn reflectance(&self) -> Result<[f32; 3], SceneError> {
-        self.colour("reflectance", &self.table.reflectance, &UNIT)?.ok_or_else(|| self.missing("reflectance"))
+        let reflectance = self.paint("reflectance", &self.table.reflectance, &UNIT, Slot::Colour)?;
+        reflectance.ok_or_else(|| self.missing("reflectance"))
     }
 
     fn ior(&self) -> Result<f32, SceneError> {
@@ -122,7 +140,7 @@ impl Reading<'_> {
             Some((key, place)) => Err(self.text.error(
                 place,
                 format!("a {} material has no key `{key}`", self.table.r#type.as_ref()),
-                format!("known here: type, emission, {}", known.join(", ")),
+                format!("known here: type, emission, opacity, normal_map, {}", known.join(", ")),
             )),
         }
     }
@@ -130,8 +148,8 @@ impl Reading<'_> {
     fn fresnel(&self) -> Result<ConductorFresnel, SceneError> {
         let eta = self.colour("eta", &self.table.eta, &POSITIVE)?;
         let k = self.colour("k", &self.table.k, &NON_NEGATIVE)?;
-        let f0 = self.colour("f0", &self.table.f0, &UNIT)?;
-        let reflectance = self.colour("reflectance", &self.table.reflectance, &UNIT)?;
+        let f0 = self.paint("f0", &self.table.f0, &UNIT, Slot::Colour)?;
+        let reflectance = self.paint("reflectance", &self.table.reflectance, &UNIT, Slot::Colour)?;
         match (eta, k, f0, reflectance) {
             (Some(eta), Some(k), None, None) => Ok(ConductorFresnel::Exact { eta, k }),
             (None, None, Some(f0), None) => Ok(ConductorFresnel::Schlick { f0 }),
@@ -165,6 +183,47 @@ impl Reading<'_> {
         domain: &Domain,
     ) -> Result<Option<[f32; 3]>, SceneError> {
         value.as_ref().map(|value| self.text.colour(key, value, domain)).transpose()
+    }
+
+    /// A colour; or 1 for an image, which will be multiplied by it.
+    fn paint(
+        &self,
+        key: &str,
+        value: &Option<Spanned<Paint>>,
+        domain: &Domain,
+        slot: Slot,
+    ) -> Result<Option<[f32; 3]>, SceneError> {
+        let Some(value) = value else { return Ok(None) };
+        match value.as_ref() {
+            Paint::Colour(colour) => Ok(Some(self.text.colour(key, &Spanned::new(value.span(), *colour), domain)?)),
+            Paint::Image(image) => {
+                self.map(key, image, value.span(), slot);
+                Ok(Some([1.0; 3]))
+            }
+        }
+    }
+
+    fn opacity(&self) -> Result<f32, SceneError> {
+        match (self.paint("opacity", &self.table.opacity, &UNIT, Slot::Opacity)?, &self.table.opacity) {
+            (Some([r, g, b]), Some(value)) if r != g || r != b => {
+                Err(self.text.error(value.span(), "`opacity` has no colour", "give one number, or an image"))
+            }
+            (opacity, _) => Ok(opacity.map_or(1.0, |[opacity, ..]| opacity)),
+        }
+    }
+
+    fn map(&self, key: &str, image: &str, span: Range<usize>, slot: Slot) {
+        self.maps.borrow_mut().push(MapUse {
+            slot,
+            image: beside(self.text.file, image),
+            file: self.text.file.to_path_buf(),
+            line: self.text.line(span.start),
+            key: key.to_owned(),
+            channel: None,
+            scale: [1.0; 2],
+            offset: [0.0; 2],
+            strength: 1.0,
+        });
     }
 
     fn missing(&self, key: &str) -> SceneError {

@@ -16,9 +16,7 @@ pub(super) struct TomlText<'a> {
 impl TomlText<'_> {
     /// An error at a place in the file.
     pub fn error(&self, span: Range<usize>, message: impl Into<String>, mend: impl Into<String>) -> SceneError {
-        let before = self.text.as_bytes().get(..span.start).unwrap_or(self.text.as_bytes());
-        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
-        SceneError::at(self.file, line, message, mend)
+        SceneError::at(self.file, self.line(span.start), message, mend)
     }
 
     /// What the parser or serde has to complain of, in our words.
@@ -75,6 +73,12 @@ impl TomlText<'_> {
         domain.admit3(value.as_ref().0).ok_or_else(|| self.outside(key, value, domain))
     }
 
+    /// Where a byte is, counted in lines from 1.
+    pub fn line(&self, offset: usize) -> usize {
+        let before = self.text.as_bytes().get(..offset).unwrap_or(self.text.as_bytes());
+        1 + before.iter().filter(|&&byte| byte == b'\n').count()
+    }
+
     fn outside<T>(&self, key: &str, value: &Spanned<T>, domain: &Domain) -> SceneError {
         let written = self.text.get(value.span()).unwrap_or_default();
         self.error(value.span(), format!("`{key}` = {written} is out of range"), format!("it must be {}", domain.words))
@@ -98,6 +102,45 @@ pub(super) struct Colour(pub [f64; 3]);
 impl<'de> Deserialize<'de> for Colour {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(NumbersVisitor { grey: true }).map(Colour)
+    }
+}
+
+/// A colour, or the name of an image in its place.
+#[derive(Clone)]
+pub(super) enum Paint {
+    Colour(Colour),
+    Image(String),
+}
+
+impl<'de> Deserialize<'de> for Paint {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(PaintVisitor(NumbersVisitor { grey: true }))
+    }
+}
+
+struct PaintVisitor(NumbersVisitor<3>);
+
+impl<'de> Visitor<'de> for PaintVisitor {
+    type Value = Paint;
+
+    fn expecting(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
+        formatter.write_str("three numbers [red, green, blue], one for a grey, or the name of an image")
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Paint, E> {
+        self.0.visit_i64(value).map(|rgb| Paint::Colour(Colour(rgb)))
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Paint, E> {
+        self.0.visit_f64(value).map(|rgb| Paint::Colour(Colour(rgb)))
+    }
+
+    fn visit_str<E: Error>(self, value: &str) -> Result<Paint, E> {
+        Ok(Paint::Image(value.to_owned()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<Paint, A::Error> {
+        self.0.visit_seq(sequence).map(|rgb| Paint::Colour(Colour(rgb)))
     }
 }
 

@@ -1,7 +1,10 @@
 //! Scenes that together need everything the kernel has, and one by one need little.
 
 use crate::renders::Set;
-use octolux::scene::{Bsdf, ConductorFresnel, DeltaLight, Environment, EnvironmentImage, Masking, Scene};
+use octolux::scene::{
+    Bsdf, Channel, ConductorFresnel, DeltaLight, Environment, EnvironmentImage, Image, Maps, Masking, Material,
+    NO_TEXCOORD, Scene, Texels, Texture,
+};
 use std::f64::consts::TAU;
 
 pub const SIDE: u32 = 20;
@@ -16,6 +19,7 @@ pub fn all() -> Vec<(&'static str, Scene)> {
         ("mirror room", mirror_room()),
         ("stage lights", stage_lights(true)),
         ("lambert stage", lambert_stage()),
+        ("images", images()),
         ("black", Set::new([0.0, 0.0, 3.0], [0.0; 3], 40.0, SIDE).finish()),
     ]
 }
@@ -160,6 +164,73 @@ fn mirror_room() -> Scene {
     let wall = set.material(Bsdf::Conductor { alpha: 0.0, masking: Masking::Correlated, fresnel }, [1.0, 0.5, 0.25]);
     set.room([wall; 6], [-1.0, -0.8, -1.5], [1.2, 0.9, 1.1]);
     set.finish()
+}
+
+/// Every kind of map, on triangles and spheres, beside surfaces without; foliage before a patterned lamp.
+pub fn images() -> Scene {
+    let mut set = Set::new([0.3, 1.4, 4.0], [0.0, 0.5, 0.0], 45.0, SIDE).bounces(6).environment(sky());
+    let metal = |alpha| Bsdf::Conductor {
+        alpha,
+        masking: Masking::Correlated,
+        fresnel: ConductorFresnel::Schlick { f0: [0.9, 0.7, 0.5] },
+    };
+    let shiny = Bsdf::Phong { diffuse: [1.0, 0.9, 0.8], specular: [0.9; 3], exponent: 30.0 };
+    let ground = set.material(shiny, [0.0; 3]);
+    let leaf = set.material(Bsdf::Diffuse { reflectance: [0.2, 0.7, 0.1] }, [0.0; 3]);
+    let lamp = set.material(Bsdf::Diffuse { reflectance: [0.3; 3] }, [9.0, 8.0, 7.0]);
+    let ball = set.material(metal(1.0), [0.0; 3]);
+    let coat = |reflectance| Bsdf::Coated { reflectance, alpha: 0.1, masking: Masking::Correlated, ior: 1.5 };
+    let patches = set.material(coat([0.6, 0.5, 0.4]), [0.0; 3]);
+    let plain = set.material(Bsdf::Diffuse { reflectance: [0.5; 3] }, [0.0; 3]);
+    let materials = &mut set.scene_mut().materials;
+    let maps = |materials: &mut Vec<Material>, index: u32, maps: Maps| materials[index as usize].maps = maps;
+    maps(
+        materials,
+        ground,
+        Maps {
+            colour: noise(3, 16, 9),
+            specular: noise(3, 4, 3),
+            normal: noise(3, 8, 8),
+            strength: [0.5; 2],
+            ..Maps::default()
+        },
+    );
+    maps(materials, leaf, Maps { opacity: noise(1, 5, 5), colour: noise(3, 3, 3), ..Maps::default() });
+    maps(materials, lamp, Maps { emission: noise(3, 6, 2), opacity: noise(4, 4, 4), ..Maps::default() });
+    maps(
+        materials,
+        ball,
+        Maps { roughness: noise(1, 9, 4), normal: noise(4, 7, 5), strength: [0.3; 2], ..Maps::default() },
+    );
+    maps(materials, patches, Maps { metallic: noise(1, 4, 4), metal_alpha: 0.3, ..Maps::default() });
+    materials[patches as usize].opacity = 0.8;
+    set.quad(ground, [[-4.0, 0.0, 4.0], [4.0, 0.0, 4.0], [4.0, 0.0, -4.0], [-4.0, 0.0, -4.0]]);
+    set.quad(lamp, [[-0.5, 3.0, -0.5], [0.5, 3.0, -0.5], [0.5, 3.0, 0.5], [-0.5, 3.0, 0.5]]);
+    for i in 0..30 {
+        let (x, y, z) = (-1.5 + 0.1 * f64::from(i), 0.4 + 0.05 * f64::from(i % 7), 1.2 - 0.07 * f64::from(i % 5));
+        let material = if i % 9 == 8 { plain } else { leaf };
+        set.triangle(material, [[x, y, z], [x + 0.4, y + 0.1, z - 0.1], [x, y + 0.5, z + 0.2]]);
+    }
+    for (i, material) in [ball, patches, lamp, plain].into_iter().enumerate() {
+        set.sphere(material, [-1.4 + 0.9 * i as f64, 0.4, -0.4], 0.4);
+    }
+    let mesh = &mut set.scene_mut().mesh;
+    let corner = |i: usize| [(i * 7 % 11) as f32 * 0.2, (i * 5 % 13) as f32 * 0.15];
+    mesh.texcoords = (0..40).map(corner).collect();
+    let index = |i: usize| if i % 17 == 3 { NO_TEXCOORD } else { (i * 3 % 40) as u32 };
+    mesh.texcoord_indices = (0..mesh.triangles.len()).map(|t| [index(t), index(t + 7), index(t + 15)]).collect();
+    set.finish()
+}
+
+/// An image of bytes without a pattern.
+fn noise(channels: usize, width: u32, height: u32) -> Option<Texture> {
+    let mut rng = crate::stats::Rng::new(u64::from(width * 100 + height));
+    let texels = (0..(width * height) as usize * channels).map(|_| (rng.f64() * 256.0) as u8).collect();
+    let image = Image { width, height, channels, texels: Texels::Bytes(texels) };
+    Some(Texture {
+        channel: if channels == 4 { Channel::Alpha } else { Channel::Mean },
+        ..Texture::new(image.into(), true)
+    })
 }
 
 /// Uneven in both directions, with a bright spot.

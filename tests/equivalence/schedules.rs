@@ -61,6 +61,9 @@ fn plans_differ() {
     let all = plan(scenes::everything());
     assert_eq!((all.geometry, all.shading), (GeometryMode::Tree, Shading::General));
     assert!(all.spheres && all.environment && all.shading_normals && all.area_lights);
+    assert!(!all.textures && !all.cutouts && !all.patterned_lights && !all.texcoords);
+    let images = plan(scenes::images());
+    assert!(images.textures && images.cutouts && images.patterned_lights && images.texcoords);
 }
 
 /// And images differ where they should.

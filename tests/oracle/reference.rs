@@ -18,6 +18,7 @@ pub fn read_scene(dir: &Path) -> Scene {
         name: name.clone(),
         bsdf: bsdf(m),
         emission: m.get("emission").map_or([0.0; 3], vec3),
+        ..Material::default()
     });
     let camera = &file["camera"];
     let size = |key: &str| file["film"][key].as_integer().expect("an integer") as u32;

@@ -131,7 +131,7 @@ impl SceneBuilder {
         let materials = &mut self.scene.materials;
         let same = materials.iter().position(|m| m.bsdf == bsdf && m.emission == emission);
         same.unwrap_or_else(|| {
-            materials.push(Material { name: format!("m{}", materials.len()), bsdf, emission });
+            materials.push(Material { name: format!("m{}", materials.len()), bsdf, emission, ..Material::default() });
             materials.len() - 1
         }) as u32
     }

@@ -4,7 +4,7 @@ mod image;
 mod set;
 
 pub use image::{assert_image_mean, image_mean};
-pub use set::Set;
+pub use set::{Point, Set};
 
 use octolux::film::Film;
 use octolux::kernel::{Prepare, Width, World};

@@ -76,7 +76,12 @@ impl Set {
     /// Returns the material's index.
     pub fn material(&mut self, bsdf: Bsdf, emission: [f32; 3]) -> u32 {
         let index = self.scene.materials.len() as u32;
-        self.scene.materials.push(Material { name: format!("material {index}"), bsdf, emission });
+        self.scene.materials.push(Material {
+            name: format!("material {index}"),
+            bsdf,
+            emission,
+            ..Material::default()
+        });
         index
     }
 
@@ -131,6 +136,16 @@ impl Set {
 
     pub fn sphere(&mut self, material: u32, center: Point, radius: f64) {
         self.scene.spheres.push(Sphere { center: single(center), radius: radius as f32, material });
+    }
+
+    /// What there is so far.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// To change what no method here does.
+    pub fn scene_mut(&mut self) -> &mut Scene {
+        &mut self.scene
     }
 
     pub fn finish(self) -> Scene {

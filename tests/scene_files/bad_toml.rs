@@ -48,7 +48,11 @@ fn unknown_keys() {
     refuses_after_camera("[environment]\nradiance = 1\nrotated = 5\n", 3, &["rotated", "rotation"]);
     refuses_after_camera("[[pointlight]]\nposition = [0, 0, 0]\n", 1, &["pointlight", "point_light"]);
     refuses_after_camera("[integrator]\nambient = [1, 1, 1]\n", 2, &["ambient"]);
-    refuses_after_camera("[materials.a]\ntype = \"diffuse\"\nreflectance = 1\nopacity = \"a.png\"\n", 4, &["opacity"]);
+    refuses_after_camera(
+        "[materials.a]\ntype = \"diffuse\"\nreflectance = 1\ntransparency = 0\n",
+        4,
+        &["transparency", "opacity"],
+    );
     refuses_after_camera("[materials.a]\ntype = \"phong\"\n", 2, &["phong", "diffuse"]);
     refuses_after_camera("[materials.a]\ntype = \"coated\"\nreflectance = 1\n", 2, &["coated"]);
     refuses_after_camera("[integrator]\nkind = \"gather\"\n", 2, &["gather", "path"]);
@@ -81,7 +85,7 @@ fn wrong_types() {
     refuses_after_camera("[integrator]\nmax_bounces = 7.0\n", 2, &["max_bounces"]);
     refuses_after_camera("[[mesh]]\nfile = \"a.obj\"\nflat = 1\n", 3, &["flat"]);
     refuses_after_camera("[[mesh]]\nfile = \"a.obj\"\ntransform = [1, 0, 0]\n", 3, &["transform", "16"]);
-    refuses_after_camera("[materials.a]\ntype = \"diffuse\"\nreflectance = \"wood.png\"\n", 3, &["reflectance"]);
+    refuses_after_camera("[materials.a]\ntype = \"diffuse\"\nreflectance = true\n", 3, &["reflectance", "image"]);
     refuses_after_camera("[materials.a]\ntype = \"diffuse\"\nreflectance = [1, 1]\n", 3, &["reflectance"]);
     refuses_after_camera("[materials.a]\ntype = \"diffuse\"\nreflectance = [1, 1, 1, 1]\n", 3, &["reflectance"]);
     refuses_after_camera("[mesh]\nfile = \"a.obj\"\n", 1, &[]);

@@ -2,6 +2,7 @@
 
 mod bad_images;
 mod bad_obj;
+mod bad_textures;
 mod bad_toml;
 mod bare_models;
 mod meshes;
