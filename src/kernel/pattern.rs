@@ -5,7 +5,7 @@ use super::texture::{EMISSION, OPACITY, OPACITY_MAP};
 use super::world::World;
 use crate::geometry::Hit;
 use crate::lane::{Bits, Mask, Real, Vec3};
-use crate::light::{LightSample, NO_PRIMITIVE, triangle_barycentrics};
+use crate::light::{LightSample, triangle_barycentrics};
 use crate::scene::{Material, NO_TEXCOORD, Scene};
 use std::f64::consts::PI;
 
@@ -92,7 +92,8 @@ fn over_sphere(material: &Material) -> [f64; 3] {
 /// Puts the radiance times opacity at the sampled points in place of the mean. `u` is what the points were sampled by.
 #[inline(never)]
 pub fn look_up<R: Real>(world: &World, light: &mut LightSample<R>, u: [R; 2], active: R::Mask) {
-    let on_primitive = active & !light.primitive.eq(R::Bits::splat(NO_PRIMITIVE));
+    // Primitives are fewer than 2³¹; what is none is counted down from 2³².
+    let on_primitive = active & light.primitive.shr::<31>().eq(R::Bits::splat(0));
     let [material, _] = world.tags.fetch::<R>(light.primitive, on_primitive);
     let material = material.to_int();
     let maps = world.textures.maps::<R>(material, on_primitive);
