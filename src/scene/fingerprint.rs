@@ -1,8 +1,9 @@
 //! A number for what a scene says: equal for equal content, wherever its files are.
 
-use super::{Environment, EnvironmentImage, Mesh, Scene};
+use super::{Environment, EnvironmentImage, Mesh, Scene, Texels};
 use crate::film::checksum::Checksum;
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 impl Scene {
     /// XXH64 of everything that decides the image: camera, film size, integrator, environment texels, triangles,
@@ -35,13 +36,37 @@ impl Scene {
                 let _ = write!(sum, "{small:?}");
             }
         }
-        let Mesh { positions, triangles, material, normals, normal_indices } = mesh;
+        let Mesh { positions, triangles, material, normals, normal_indices, texcoords, texcoord_indices } = mesh;
         let _ = write!(sum, "{} {} {}", positions.len(), triangles.len(), normals.len());
         floats(&mut sum, positions);
         floats(&mut sum, normals);
         words(&mut sum, triangles.iter().chain(normal_indices).flatten().copied());
         words(&mut sum, material.iter().copied());
+        words(&mut sum, texcoords.iter().flatten().map(|x| x.to_bits()));
+        words(&mut sum, texcoord_indices.iter().flatten().copied());
+        self.texels(&mut sum);
         sum.value()
+    }
+}
+
+impl Scene {
+    /// Texels of the images, whose `Debug` text leaves them out; each image once.
+    fn texels(&self, sum: &mut Checksum) {
+        let mut seen = Vec::new();
+        for texture in self.materials.iter().flat_map(|material| material.maps.textures()) {
+            let image = Arc::as_ptr(&texture.image);
+            let number = seen.iter().position(|&known| known == image).unwrap_or(seen.len());
+            words(sum, [number as u32].into_iter());
+            if number < seen.len() {
+                continue;
+            }
+            seen.push(image);
+            match &texture.image.texels {
+                Texels::Bytes(values) => sum.update(values),
+                Texels::Words(values) => words(sum, values.iter().map(|&word| u32::from(word))),
+                Texels::Floats(values) => words(sum, values.iter().map(|x| x.to_bits())),
+            }
+        }
     }
 }
 

@@ -14,7 +14,7 @@ pub struct Image {
     pub texels: Texels,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub enum Texels {
     /// 0 … 255 means 0 … 1.
     Bytes(Vec<u8>),
@@ -22,6 +22,17 @@ pub enum Texels {
     Words(Vec<u16>),
     /// Linear, as they are.
     Floats(Vec<f32>),
+}
+
+impl std::fmt::Debug for Texels {
+    /// The kind and the number of values.
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            Texels::Bytes(values) => write!(f, "{} bytes", values.len()),
+            Texels::Words(values) => write!(f, "{} words", values.len()),
+            Texels::Floats(values) => write!(f, "{} floats", values.len()),
+        }
+    }
 }
 
 /// An image, and how it is read.
@@ -71,15 +82,21 @@ pub struct Maps {
 }
 
 impl Maps {
+    /// All there are.
+    pub fn textures(&self) -> impl Iterator<Item = &Texture> {
+        let Maps { colour, specular, roughness, metallic, metal_alpha: _, emission, opacity, normal, strength: _ } =
+            self;
+        [colour, specular, roughness, metallic, emission, opacity, normal].into_iter().flatten()
+    }
+
     /// Does any of them change how the surface scatters or emits?
     pub fn shade(&self) -> bool {
-        let Maps { colour, specular, roughness, metallic, emission, normal, .. } = self;
-        [colour, specular, roughness, metallic, emission, normal].iter().any(|map| map.is_some())
+        self.textures().count() > usize::from(self.opacity.is_some())
     }
 
     /// Are there any?
     pub fn any(&self) -> bool {
-        self.shade() || self.opacity.is_some()
+        self.textures().next().is_some()
     }
 }
 

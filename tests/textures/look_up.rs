@@ -170,3 +170,20 @@ fn images_are_upright() {
         assert_eq!(mean[2], 1.0);
     }
 }
+
+/// A state file of another image must not be taken for one of this.
+#[test]
+fn a_texel_is_part_of_the_scenes_fingerprint() {
+    let fingerprint = |value: f32, u: f32| {
+        let mut set = Set::new([0.5, 0.5, 3.0], [0.5, 0.5, 0.0], 40.0, 4);
+        let lamp = set.grey(0.0, 1.0);
+        edit(&mut set, lamp).maps.emission =
+            Some(image(4, 4, |x, y| if (x, y) == (3, 2) { [value; 3] } else { [1.0; 3] }));
+        mapped_quad(&mut set, lamp, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]);
+        set.scene_mut().mesh.texcoords[2][0] = u;
+        complete(set).fingerprint()
+    };
+    assert_eq!(fingerprint(1.0, 1.0), fingerprint(1.0, 1.0));
+    assert_ne!(fingerprint(1.0, 1.0), fingerprint(0.5, 1.0));
+    assert_ne!(fingerprint(1.0, 1.0), fingerprint(1.0, 0.5));
+}
