@@ -5,6 +5,7 @@ mod check;
 mod check_numerics;
 mod converge;
 mod error;
+mod estimate;
 mod keeper;
 mod merge;
 mod render;
@@ -44,6 +45,8 @@ enum Command {
     Converge(converge::ConvergeArgs),
     /// Measure paths per second on a scene, or rays per second on recorded rays
     Bench(bench::BenchArgs),
+    /// Study estimators on problems with known answers: error against samples and run time
+    Estimate(estimate::EstimateArgs),
 }
 
 /// Runs the command of this process's arguments.
@@ -60,6 +63,7 @@ pub fn run() -> ExitCode {
         Command::Replay(args) => replay::run(&args),
         Command::Converge(args) => converge::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Estimate(args) => estimate::run(&args),
     };
     match result {
         Ok(true) => ExitCode::SUCCESS,

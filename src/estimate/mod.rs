@@ -2,10 +2,22 @@
 //!
 //! | room | holds |
 //! |---|---|
-//! | [`bmc`] | Bayesian Monte Carlo: Gaussian-process weights for fixed points, used here and by the renderer |
-//! | [`rules`] | Gauss–Legendre nodes and panels |
-//! | [`cholesky`] | the f64 factorisation under the weights |
+//! | [`problems`] | what is estimated, with the truth: numbers, distributions, integrals on intervals, cubes, the hemisphere |
+//! | [`points`], [`method`] | where samples lie; a way to make one estimate of n of them |
+//! | [`tensor`], [`biased`], [`bmc`] | quadrature; estimators that are wrong on average; Gaussian-process weights, used here and by the renderer |
+//! | [`study`], [`table`] | many estimates of each kind held against the truth, as text and CSV |
+//! | [`rules`], [`adaptive`], [`cholesky`], [`special`], [`expression`] | the numerics under them, all in f64 |
 
+pub mod adaptive;
+pub mod biased;
 pub mod bmc;
 pub mod cholesky;
+pub mod expression;
+pub mod method;
+pub mod points;
+pub mod problems;
 pub mod rules;
+pub mod special;
+pub mod study;
+pub mod table;
+pub mod tensor;

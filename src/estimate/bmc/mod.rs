@@ -5,6 +5,7 @@
 
 mod covariance;
 mod evidence;
+pub mod line;
 mod measure;
 mod sets;
 mod weights;

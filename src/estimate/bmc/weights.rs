@@ -2,6 +2,7 @@
 
 use crate::estimate::cholesky::{Cholesky, dot};
 use serde::Serialize;
+use std::fmt;
 
 /// What is believed of the mean of the function before it is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -60,6 +61,21 @@ pub enum Verdict {
     Damped,
     /// Ill-conditioned at every jitter: each weight is P/n, the plain mean.
     EqualWeights,
+}
+
+impl fmt::Display for Conditioning {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self.verdict {
+            Verdict::Posterior => write!(f, "well conditioned")?,
+            Verdict::Damped => write!(f, "ill-conditioned, damped")?,
+            Verdict::EqualWeights => write!(f, "ill-conditioned, equal weights instead")?,
+        }
+        write!(
+            f,
+            " (jitter {:e}, Σ|w|/Σw {:.4}, smallest pivot {:.1e})",
+            self.jitter, self.absolute_ratio, self.smallest_pivot
+        )
+    }
 }
 
 /// Weights for the values at the points: Î = Σ w_i y_i.
