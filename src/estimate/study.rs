@@ -108,7 +108,7 @@ fn row(quantity: &Quantity, method: &Method, budget: &Budget, stop: &(dyn Fn() -
             _ => budget.repeats.min(prepared.distinct.unwrap_or(usize::MAX)),
         };
         let (singles, seconds) = repeat(&*prepared.run, repeats, budget.seed, n);
-        let predicted = method.variance.as_ref().map(|law| law(prepared.samples));
+        let predicted = method.variance.as_ref().map(|law| law(prepared.samples)).filter(|v| !v.is_nan());
         let mut cell = cell(quantity, prepared.samples, &singles, predicted);
         (cell.seconds, cell.note) = (seconds, prepared.note);
         cells.push(cell);
@@ -148,8 +148,7 @@ fn cell(quantity: &Quantity, samples: usize, singles: &[Single], predicted_varia
     let variance = if repeats < 2 { 0.0 } else { mean.standard_error.powi(2) * repeats as f64 };
     // Spread that is rounding is no spread.
     let spread = mean.standard_error > 1e-14 * quantity.exact.abs() && repeats > 1;
-    let (z, _) =
-        if spread { (Some(allow(bias.value, quantity.exact_error) / mean.standard_error), ()) } else { (None, ()) };
+    let z = spread.then(|| allow(bias.value, quantity.exact_error) / mean.standard_error);
     let own: Option<f64> = singles.iter().map(|s| s.standard_error.map(|e| e * e)).sum();
     Cell {
         samples,
