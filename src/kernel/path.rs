@@ -243,6 +243,9 @@ fn add_direct_light<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
         // Nothing else finds a light without extent.
         weight = R::select(light.is_delta(), pdf.recip(), weight);
     }
+    if world.plan.shading_normals {
+        weight = weight * surface.terminator(light.wi, wi.z, wo.z);
+    }
     let contribution = paths.beta.hadamard(eval.value).hadamard(light.radiance) * weight;
     let contribution = probe.tap_rgb(Stage::LightContribution, paths.lanes(lit), contribution);
     let carries = lit & contribution.max_component().gt(R::zero());
@@ -292,7 +295,12 @@ fn scatter<R: Real, S: ShadingKind, P: Probe>(
     let direction = frame.to_world(sample.wi);
     let goes_on = scatters & sample.valid & same_side(sample.wi.z, surface.ng.dot(direction));
     let lanes = paths.lanes(goes_on);
-    let weight = probe.tap_rgb(Stage::BsdfWeight, lanes, sample.weight);
+    let mut weight = sample.weight;
+    if world.plan.shading_normals {
+        let softened = surface.terminator(direction, sample.wi.z, wo.z);
+        weight = weight * R::select(sample.delta, R::one(), softened);
+    }
+    let weight = probe.tap_rgb(Stage::BsdfWeight, lanes, weight);
     let pdf = probe.tap(Stage::BsdfPdf, lanes, sample.pdf);
     paths.beta = paths.beta.hadamard(weight);
     paths.bsdf_pdf = R::select(sample.delta, R::splat(f32::INFINITY), pdf);

@@ -21,8 +21,10 @@ const IS_DIRECTIONAL: usize = 7;
 const STRENGTH: usize = 12;
 const PDF_ROW: usize = 15;
 
-/// The part of the draws that is spread evenly, so that no light is too weak ever to be drawn.
-const EVEN_SHARE: f64 = 1.0 / 64.0;
+/// The part of the draws that is spread evenly; the rest goes by power, which says little of what arrives where: a
+/// directional light is given all that falls on the scene, a spot may light one thing in it from near by. So no light is
+/// drawn less than half as often as by an even choice, nor than by power.
+const EVEN_SHARE: f64 = 0.5;
 
 /// Size of the scene, for the units of the kernel.
 #[derive(Clone, Copy, Debug)]
@@ -51,8 +53,9 @@ impl DeltaLights {
         }
         let powers: Vec<f64> = lights.iter().map(|light| power(light, extent)).collect();
         let total: f64 = powers.iter().sum();
-        let even = EVEN_SHARE * total / lights.len() as f64;
-        let weights: Vec<f64> = powers.iter().map(|p| p + even).collect();
+        // A directional light has no power where there is nothing to fall on.
+        let even = if total > 0.0 { EVEN_SHARE * total / lights.len() as f64 } else { 1.0 };
+        let weights: Vec<f64> = powers.iter().map(|p| (1.0 - EVEN_SHARE) * p + even).collect();
         let (table, probability) = Table::build(&weights);
         let rows: Vec<Row> = lights.iter().zip(&probability).map(|(light, &p)| row(light, extent, p)).collect();
         if rows.iter().any(|row| row.iter().enumerate().any(|(k, x)| k != LIMIT && !x.is_finite())) {

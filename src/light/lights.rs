@@ -15,7 +15,7 @@ pub const ENVIRONMENT_PROBABILITY: f32 = 0.5;
 
 /// The least part of the draws that lights without extent get beside area lights, and these beside them. In between, both
 /// get theirs by power.
-const LEAST_SHARE: f64 = 1.0 / 64.0;
+const LEAST_SHARE: f64 = 0.25;
 
 /// Everything in a scene that emits and can be sampled.
 pub struct Lights {

@@ -1,7 +1,8 @@
 //! Lights: how one is chosen, how a point or direction on it is sampled, and with which density.
 //!
 //! Everything is in the kernel's own units: scene, lights and rays already rescaled. What a scene lacks is not built:
-//! no table for a single light, none for a constant environment, nothing at all where nothing emits.
+//! no table for a single light, none for a constant environment, nothing at all where nothing emits. Lights without extent
+//! ([`DeltaLight`](crate::scene::DeltaLight)) are sampled beside the others, and found by nothing else.
 //!
 //! [`Lights`] answers two questions, and the answers agree: [`Lights::sample`] (next-event estimation), and with which
 //! density it would have produced a hit that BSDF sampling found ([`triangle_pdf`], [`sphere_pdf`],

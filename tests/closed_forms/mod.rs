@@ -6,6 +6,7 @@ mod furnaces;
 mod irradiance;
 mod lens;
 mod roulette;
+mod shading_normals;
 mod slab;
 mod variance;
 

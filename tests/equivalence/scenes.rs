@@ -20,6 +20,7 @@ pub fn all() -> Vec<(&'static str, Scene)> {
         ("stage lights", stage_lights(true)),
         ("lambert stage", lambert_stage()),
         ("images", images()),
+        ("crumpled ball", crumpled_ball(true)),
         ("black", Set::new([0.0, 0.0, 3.0], [0.0; 3], 40.0, SIDE).finish()),
     ]
 }
@@ -155,6 +156,51 @@ fn lambert_stage() -> Scene {
     set.quad(grey, [[-3.0, 0.0, 3.0], [3.0, 0.0, 3.0], [3.0, 0.0, -3.0], [-3.0, 0.0, -3.0]]);
     set.block(grey, [-0.6, 0.0, -0.3], [-0.1, 0.7, 0.3]);
     lit(set).finish()
+}
+
+/// A closed mesh whose vertex normals point anywhere, outside and in, lit by everything.
+pub fn crumpled_ball(outside: bool) -> Scene {
+    let eye = if outside { [0.0, 0.7, 3.0] } else { [0.3, 0.2, -0.4] };
+    let mut set = Set::new(eye, [0.0; 3], 50.0, SIDE).bounces(4).environment(sky());
+    let lamp = set.grey(0.3, 5.0);
+    set.sphere(lamp, [0.2, 0.1, 0.1], 0.2);
+    let mut bsdfs = layered().to_vec();
+    bsdfs.extend([Bsdf::Diffuse { reflectance: [0.8, 0.7, 0.6] }, glossy()[1]]);
+    let materials: Vec<u32> = bsdfs.into_iter().map(|bsdf| set.material(bsdf, [0.0; 3])).collect();
+    ball(&mut set, &materials, 6, 77);
+    set.light(DeltaLight::Point { position: [-0.3, 0.3, 0.2], intensity: [0.3; 3] })
+        .light(DeltaLight::Directional { direction: [0.6, 0.0, -0.8], irradiance: [1.0; 3] })
+        .finish()
+}
+
+/// A unit sphere of 8n² triangles, from an octahedron, watertight, with random vertex normals.
+pub fn ball(set: &mut Set, materials: &[u32], n: usize, seed: u64) {
+    let mut rng = crate::stats::Rng::new(seed);
+    let mut normals = std::collections::HashMap::new();
+    let mut i = 0;
+    for octant in 0..8 {
+        let sign = |k: usize| if octant >> k & 1 == 1 { -1.0 } else { 1.0 };
+        let corner = |a: usize, b: usize| -> [f64; 3] {
+            let p = [a as f64 * sign(0), b as f64 * sign(1), (n - a - b) as f64 * sign(2)];
+            let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
+            p.map(|x| x / length + 0.0)
+        };
+        let mut face = |mut p: [[f64; 3]; 3]| {
+            if sign(0) * sign(1) * sign(2) < 0.0 {
+                p.swap(1, 2);
+            }
+            let key = |p: [f64; 3]| p.map(|x| (x as f32).to_bits());
+            let n = p.map(|p| *normals.entry(key(p)).or_insert_with(|| rng.sphere()));
+            set.smooth_triangle(materials[i % materials.len()], p, n);
+            i += 1;
+        };
+        for (a, b) in (0..n).flat_map(|a| (0..n - a).map(move |b| (a, b))) {
+            face([corner(a, b), corner(a + 1, b), corner(a, b + 1)]);
+            if a + b + 1 < n {
+                face([corner(a + 1, b), corner(a + 1, b + 1), corner(a, b + 1)]);
+            }
+        }
+    }
 }
 
 /// Only deltas: light sampling has nothing to do.

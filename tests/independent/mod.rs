@@ -61,6 +61,13 @@ fn stage_lights() {
     compare("stage lights under a turned sky", &scenes::stage_lights(true), 4096, 5);
 }
 
+/// Vertex normals that point anywhere: what counts, and what fades, is told by both normals.
+#[test]
+fn crumpled_ball() {
+    compare("crumpled ball from outside", &scenes::crumpled_ball(true), 4096, 5);
+    compare("crumpled ball from inside", &scenes::crumpled_ball(false), 2048, 5);
+}
+
 #[test]
 fn lambert_room() {
     compare("lambert room", &scenes::lambert_room(), 4096, 4);

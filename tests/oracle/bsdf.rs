@@ -110,6 +110,8 @@ fn rough_dielectric(ggx: &Ggx, ior: f64, wo: V3, wi: V3, same_side: bool) -> f64
 pub struct Sampled {
     pub wi: V3,
     pub weight: V3,
+    /// `wi` is the only direction of its lobe.
+    pub delta: bool,
 }
 
 /// Samples `wi`: cosine for Lambert, half vectors from D(m) m_z for GGX, Fresnel's share for what passes. The weight is
@@ -132,7 +134,7 @@ pub fn sample(bsdf: &Bsdf, wo: V3, rng: &mut Rng) -> Option<Sampled> {
             if alpha == 0.0 {
                 if to_coat {
                     let f = fresnel_dielectric(wo.z().abs(), ior.into());
-                    return Some(Sampled { wi: reflect(wo, V3::Z), weight: V3([2.0 * f; 3]) });
+                    return Some(Sampled { wi: reflect(wo, V3::Z), weight: V3([2.0 * f; 3]), delta: true });
                 }
                 let wi = cosine(wo, u);
                 (wi, 0.5 * wi.z().abs() / PI)
@@ -145,7 +147,7 @@ pub fn sample(bsdf: &Bsdf, wo: V3, rng: &mut Rng) -> Option<Sampled> {
         Bsdf::Conductor { alpha, masking, fresnel } => {
             if alpha == 0.0 {
                 let weight = V3(conductor_fresnel(&fresnel, wo.z().abs()));
-                return Some(Sampled { wi: reflect(wo, V3::Z), weight });
+                return Some(Sampled { wi: reflect(wo, V3::Z), weight, delta: true });
             }
             let ggx = Ggx { alpha: alpha.into(), masking };
             let m = ggx.normal(u);
@@ -154,7 +156,7 @@ pub fn sample(bsdf: &Bsdf, wo: V3, rng: &mut Rng) -> Option<Sampled> {
         Bsdf::Dielectric { alpha, masking, ior } => return dielectric(bsdf, (alpha, masking, ior), wo, u, rng.f64()),
     };
     let weight = V3(bsdf_eval(bsdf, wo.0, wi.0)) * (1.0 / density);
-    (weight.max_component() > 0.0).then_some(Sampled { wi, weight })
+    (weight.max_component() > 0.0).then_some(Sampled { wi, weight, delta: false })
 }
 
 /// The hemisphere of `wo` by cosine.
@@ -191,7 +193,7 @@ fn dielectric(
     let wi = if reflected { reflect(wo, m) } else { refract(wo, m, eta)? };
     if smooth {
         let scale = if reflected { 1.0 } else { 1.0 / (eta * eta) };
-        return Some(Sampled { wi, weight: V3([scale; 3]) });
+        return Some(Sampled { wi, weight: V3([scale; 3]), delta: true });
     }
     // A "reflection" through the surface, or a "refraction" that stays, is no path of this single-scattering model.
     if (wi.z() * wo.z() > 0.0) != reflected {
@@ -199,7 +201,7 @@ fn dielectric(
     }
     let density = ggx.d(m) * m.z() * if reflected { f } else { 1.0 - f } / jacobian(wo, wi, m, eta, reflected);
     let weight = V3(bsdf_eval(bsdf, wo.0, wi.0)) * (1.0 / density);
-    (weight.max_component() > 0.0).then_some(Sampled { wi, weight })
+    (weight.max_component() > 0.0).then_some(Sampled { wi, weight, delta: false })
 }
 
 fn reflect(wo: V3, m: V3) -> V3 {

@@ -41,3 +41,4 @@ pub use image::{Estimate, Image, Region};
 pub use path::{Direct, Renderer, render};
 pub use reference::{read_image, read_scene};
 pub use scenes::{LAMBERT, SceneBuilder};
+pub use tests_path::tilted_lambert;

@@ -102,6 +102,9 @@ impl<'a> Renderer<'a> {
                 break;
             }
             beta = beta.times(sampled.weight);
+            if !sampled.delta {
+                beta = beta * terminator(&surface, wo, wi);
+            }
             (o, d, t_min) = (surface.p, wi, self.geometry.t_min);
         }
         sum
@@ -117,6 +120,7 @@ impl<'a> Renderer<'a> {
                 continue;
             }
             let f_cos = V3(bsdf_eval(bsdf, frame.to_local(wo).0, frame.to_local(wi).0)).times(arriving);
+            let f_cos = f_cos * terminator(surface, wo, wi);
             if f_cos.max_component() > 0.0
                 && !self.geometry.occluded(surface.p, wi, t_min, distance.unwrap_or(f64::INFINITY))
             {
@@ -142,11 +146,21 @@ impl<'a> Renderer<'a> {
         if f_cos.max_component() == 0.0 || self.geometry.occluded(surface.p, wi, t_min, distance - t_min) {
             return V3::default();
         }
-        f_cos.times(light.emission) * (cos_light / (distance * distance * light.pdf_area))
+        f_cos.times(light.emission) * terminator(surface, wo, wi) * (cos_light / (distance * distance * light.pdf_area))
     }
 }
 
 /// Is `w` on the same side of both normals?
 fn sides_agree(surface: &Surface, w: V3) -> bool {
     w.dot(surface.ng) * w.dot(surface.ns) > 0.0
+}
+
+/// How much of a reflected direction counts where it grazes the geometry: Chiang, Li, Burley 2019, with cosines.
+pub fn terminator(surface: &Surface, wo: V3, wi: V3) -> f64 {
+    let [g, s, tilt] = [wi.dot(surface.ng), wi.dot(surface.ns), surface.ng.dot(surface.ns)].map(f64::abs);
+    if wo.dot(surface.ng) * wi.dot(surface.ng) < 0.0 || g >= s * tilt {
+        return 1.0;
+    }
+    let ratio = g / (s * tilt);
+    -ratio.powi(3) + ratio.powi(2) + ratio
 }

@@ -13,6 +13,14 @@ fn metal(alpha: f32, masking: Masking) -> Bsdf {
     Bsdf::Conductor { alpha, masking, fresnel: WHITE }
 }
 
+fn phong(exponent: f32) -> Bsdf {
+    Bsdf::Phong { diffuse: [0.5, 0.1, 0.3], specular: [0.5, 0.9, 0.2], exponent }
+}
+
+fn coat(alpha: f32) -> Bsdf {
+    Bsdf::Coated { reflectance: [0.9, 0.5, 0.1], alpha, masking: Masking::Correlated, ior: 1.5 }
+}
+
 fn glass(alpha: f32, ior: f32) -> Bsdf {
     Bsdf::Dielectric { alpha, masking: Masking::Correlated, ior }
 }
@@ -121,6 +129,10 @@ fn sampling_and_quadrature_agree() {
         glass(0.2, 1.5),
         glass(0.8, 1.3),
         Bsdf::Dielectric { alpha: 0.5, masking: Masking::Separable, ior: 2.0 },
+        phong(3.0),
+        phong(60.0),
+        coat(0.0),
+        coat(0.3),
     ];
     let mus = [1.0, 0.7, 0.2, -0.9, -0.4];
     let tests = bsdfs.len() * mus.len() * 4;
@@ -173,7 +185,9 @@ fn lossless_smooth_glass_keeps_all_and_rough_glass_never_gains() {
 fn scattering_is_reciprocal() {
     let mut rng = Rng::new(5);
     let mut lit = 0;
-    for bsdf in [metal(0.4, Masking::Correlated), metal(0.9, Masking::Separable), glass(0.5, 1.5), glass(0.9, 1.2)] {
+    let layered = [phong(2.0), phong(30.0), coat(0.0), coat(0.5)];
+    let single = [metal(0.4, Masking::Correlated), metal(0.9, Masking::Separable), glass(0.5, 1.5), glass(0.9, 1.2)];
+    for bsdf in single.into_iter().chain(layered) {
         for _ in 0..2_000 {
             let (wo, wi) = (rng.sphere(), rng.sphere());
             let f = |o: [f64; 3], i: [f64; 3]| {
