@@ -206,7 +206,18 @@ fn what_cannot_be_studied_is_refused_in_one_line() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
         assert!(said.contains(reason) && said.trim().lines().count() == 1, "{arguments:?}: {said}");
     };
-    for flag in ["--spp 4", "--time 1", "--error 0.1", "--seed 3", "-o a.exr", "--png a.png", "--json a.json"] {
+    for flag in [
+        "--spp 4",
+        "--time 1",
+        "--error 0.1",
+        "--seed 3",
+        "-o a.exr",
+        "--png a.png",
+        "--json a.json",
+        "--state a",
+        "--resume a",
+        "--samples 0..64",
+    ] {
         refused(&["--variants", &format!("a: {flag}")], "is not a variant's to say");
     }
     refused(&["--variants", "a: --lane 8"], "variant `a`: unexpected argument '--lane'");

@@ -230,7 +230,7 @@ pub fn number(x: f64) -> String {
     let text = match size {
         _ if !x.is_finite() => return "–".to_owned(),
         0.0 => "0".to_owned(),
-        s if s >= 999.5 && s < 99_999.5 => format!("{x:.0}"),
+        s if (999.5..99_999.5).contains(&s) => format!("{x:.0}"),
         s if (0.001..999.5).contains(&s) => {
             let decimals = (2.0 - s.log10().floor()).clamp(0.0, 6.0) as usize;
             format!("{x:.decimals$}")

@@ -4,7 +4,7 @@ use super::cell::{Budget, Cell, CellKey};
 use super::progress::CellProgress;
 use super::reference::Reference;
 use super::statistics::{Accumulator, relative};
-use super::store::{Fnv, Store};
+use super::store::{Store, checksum};
 use super::summary::{self, ConvergeReport, Row};
 use super::{ConvergeError, html, pictures, write};
 use crate::film::{self, Attribute, VarianceValidity, read_exr};
@@ -75,7 +75,7 @@ impl Variant {
             Some(pool) => pool,
             None => Arc::new(render::pinned_thread_pool(threads)?),
         };
-        let fingerprint = fingerprint(scene);
+        let fingerprint = format!("{:016x}", scene.fingerprint());
         Ok(Variant { name, arguments, world, options, threads, times, fingerprint, pool })
     }
 
@@ -106,16 +106,6 @@ impl Variant {
             samples *= 2;
         }
     }
-}
-
-/// Everything that was read from the scene's files, hashed; its name is not part of it.
-fn fingerprint(scene: &Scene) -> String {
-    use std::fmt::Write;
-    let mut hash = Fnv::default();
-    let Scene { camera, film, integrator, environment, mesh, spheres, materials, .. } = scene;
-    // Writing to a hash cannot fail.
-    let _ = write!(hash, "{camera:?}{film:?}{integrator:?}{environment:?}{mesh:?}{spheres:?}{materials:?}");
-    hash.hex()
 }
 
 /// Runs a study and writes its files; what is finished is reported even if the user interrupts.
@@ -232,9 +222,7 @@ fn render_cells(plan: &mut Plan, store: &mut Store) -> Result<Vec<CellKey>, Conv
 
 /// Writes the image as `render` would, and says what the cell cost.
 fn save(folder: &Path, variant: &Variant, key: CellKey, outcome: &Outcome) -> Result<Cell, ConvergeError> {
-    let mut identity = Fnv::default();
-    identity.add(format!("{key:?}").as_bytes());
-    let image = format!("cells/{}.exr", identity.hex());
+    let image = format!("cells/{}.exr", checksum(format!("{key:?}").as_bytes()));
     let attributes = [
         ("octolux.variant".to_owned(), Attribute::Text(key.variant.clone())),
         ("octolux.samples".to_owned(), Attribute::Integer(outcome.film.samples())),

@@ -4,6 +4,7 @@ use super::cell::{Budget, Cell, CellKey};
 use super::run::Variant;
 use crate::film::FilmError;
 use crate::film::beside::write_beside;
+use crate::film::checksum::Checksum;
 use crate::process;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -152,35 +153,12 @@ fn machine() -> String {
 /// The program's file, hashed; empty where it cannot be read.
 pub fn build_id() -> String {
     let bytes = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
-    let mut hash = Fnv::default();
-    hash.add(&bytes);
-    hash.hex()
+    checksum(&bytes)
 }
 
-/// FNV-1a, 64 bits (Fowler, Noll, Vo 1991), of bytes or of what `Debug` prints.
-pub struct Fnv(u64);
-
-impl Default for Fnv {
-    fn default() -> Self {
-        Fnv(0xcbf2_9ce4_8422_2325)
-    }
-}
-
-impl Fnv {
-    pub fn add(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        }
-    }
-
-    pub fn hex(&self) -> String {
-        format!("{:016x}", self.0)
-    }
-}
-
-impl std::fmt::Write for Fnv {
-    fn write_str(&mut self, text: &str) -> std::fmt::Result {
-        self.add(text.as_bytes());
-        Ok(())
-    }
+/// In hexadecimal.
+pub fn checksum(bytes: &[u8]) -> String {
+    let mut sum = Checksum::default();
+    sum.update(bytes);
+    format!("{:016x}", sum.value())
 }
