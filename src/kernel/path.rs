@@ -122,7 +122,7 @@ fn bounce<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     if missed.any() {
         add_environment(world, paths, missed, probe);
     }
-    let surface = Surface::at(world, &paths.ray, &paths.hit, on_surface);
+    let mut surface = Surface::at(world, &paths.ray, &paths.hit, on_surface);
     if out.features.is_some() {
         write_features(world, paths, &surface, on_surface, out);
     }
@@ -134,8 +134,11 @@ fn bounce<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
         *x = probe.tap(Stage::Random, lanes, *x);
     }
     let scatters = on_surface & paths.bounce.lt(R::splat(world.max_bounces));
-    let frame = Frame::from_normal(surface.ns);
     let outward = -paths.ray.direction;
+    if world.plan.shading_normals {
+        surface.face(outward);
+    }
+    let frame = Frame::from_normal(surface.ns);
     let wo = frame.to_local(outward);
     // A direction counts only where its sides against both normals agree; the viewer's no less than others.
     let scatters = scatters & same_side(wo.z, surface.ng.dot(outward));

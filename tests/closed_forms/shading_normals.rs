@@ -6,7 +6,7 @@ use crate::oracle::tilted_lambert;
 use crate::renders::{self, Set, assert_image_mean, image_mean};
 use crate::stats::z_bound;
 use octolux::film::Film;
-use octolux::scene::{Bsdf, ConductorFresnel, DeltaLight, IntegratorKind, Masking};
+use octolux::scene::{Bsdf, ConductorFresnel, DeltaLight, IntegratorKind, Masking, Scene};
 
 const SIDE: u32 = 48;
 
@@ -142,6 +142,29 @@ fn light_fades_towards_the_horizon_of_the_geometry() {
             assert_image_mean(&format!("leaning by {degrees}, sun at {sun}"), &film, [expected; 3], 2e-6, TESTS);
         }
     }
+}
+
+/// A coarse smooth ball: its vertices are their own normals, times `sign`.
+fn coarse(mut set: Set, sign: f32) -> Scene {
+    let white = set.grey(0.8, 0.0);
+    ball(&mut set, &[white], 3, 0);
+    let mut scene = set.finish();
+    scene.mesh.normals = scene.mesh.positions.iter().map(|p| p.map(|x| x * sign)).collect();
+    scene
+}
+
+/// Where the facets of a coarse ball face the viewer and its normals no longer do, the rim is not black.
+#[test]
+fn rims_are_not_black() {
+    let set = || Set::new([0.0, 0.0, 4.0], [0.66, 0.66, 0.0], 6.0, SIDE).bounces(2).uniform_light();
+    let film = renders::film(&renders::world(&coarse(set(), 1.0), 54), 256);
+    let pixels = || (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)));
+    let darkest = pixels().map(|(x, y)| film.mean(x, y)[0]).fold(1.0, f64::min);
+    let dim = pixels().filter(|&(x, y)| film.mean(x, y)[0] < 0.9).count();
+    assert!(darkest > 0.25 && dim > 100, "{darkest}, {dim} pixels of the ball");
+    // Normals that all point inwards are meant to point outwards.
+    let inwards = renders::film(&renders::world(&coarse(set(), -1.0), 54), 256);
+    assert!(pixels().all(|(x, y)| film.mean(x, y) == inwards.mean(x, y)));
 }
 
 /// The views have no light to fade: they show what they did.

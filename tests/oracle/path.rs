@@ -79,7 +79,8 @@ impl<'a> Renderer<'a> {
             let Some(hit) = self.geometry.closest(o, d, t_min) else {
                 return sum + beta.times(V3(environment_radiance(self.scene, d.0)));
             };
-            let (surface, wo) = (self.geometry.surface(o, d, hit), -d);
+            let (mut surface, wo) = (self.geometry.surface(o, d, hit), -d);
+            surface.ns = facing(&surface, wo);
             if !counted && wo.dot(surface.ng) > 0.0 {
                 sum = sum + beta.times(emission(self.scene, surface.material));
             }
@@ -153,6 +154,15 @@ impl<'a> Renderer<'a> {
 /// Is `w` on the same side of both normals?
 fn sides_agree(surface: &Surface, w: V3) -> bool {
     w.dot(surface.ng) * w.dot(surface.ns) > 0.0
+}
+
+/// The shading normal on the side of the geometric one, and at 89.1° from `wo` (or as far as the geometric one, where that
+/// is more) where it would face away further.
+fn facing(surface: &Surface, wo: V3) -> V3 {
+    let ns = surface.ns * surface.ns.dot(surface.ng).signum();
+    let w = wo * wo.dot(surface.ng).signum();
+    let least = w.dot(surface.ng).min(1.0 / 64.0);
+    if ns.dot(w) >= least { ns } else { (ns + w * (least - ns.dot(w))).unit() }
 }
 
 /// How much of a reflected direction counts where it grazes the geometry: Chiang, Li, Burley 2019, with cosines.
