@@ -157,13 +157,8 @@ impl<R: Real> MaterialAt<R> {
             if (dielectric & active).any() {
                 eval = select_eval(dielectric, eval_out_of_line(&self.dielectric(), wo, wi), eval);
             }
-            let phong = self.is(KIND_PHONG);
-            if plan.phong && (phong & active).any() {
-                eval = select_eval(phong, eval_out_of_line(&self.phong(), wo, wi), eval);
-            }
-            let coated = self.is(KIND_COATED);
-            if plan.coated && (coated & active).any() {
-                eval = select_eval(coated, eval_out_of_line(&self.coated(), wo, wi), eval);
+            if plan.phong || plan.coated {
+                eval = self.eval_layered(wo, wi, active, eval);
             }
         }
         eval
@@ -182,14 +177,38 @@ impl<R: Real> MaterialAt<R> {
             if (dielectric & active).any() {
                 sample = select_sample(dielectric, sample_out_of_line(&self.dielectric(), wo, u_lobe, u), sample);
             }
-            let phong = self.is(KIND_PHONG);
-            if plan.phong && (phong & active).any() {
-                sample = select_sample(phong, sample_out_of_line(&self.phong(), wo, u_lobe, u), sample);
+            if plan.phong || plan.coated {
+                sample = self.sample_layered(wo, u_lobe, u, active, sample);
             }
-            let coated = self.is(KIND_COATED);
-            if plan.coated && (coated & active).any() {
-                sample = select_sample(coated, sample_out_of_line(&self.coated(), wo, u_lobe, u), sample);
-            }
+        }
+        sample
+    }
+
+    /// The models of a base and a lobe in the lanes that have them; the others keep `eval`. One copy a width, called, so
+    /// that kernels of scenes without them stay small.
+    #[inline(never)]
+    fn eval_layered(&self, wo: Vec3<R>, wi: Vec3<R>, active: R::Mask, mut eval: Eval<R>) -> Eval<R> {
+        let phong = self.is(KIND_PHONG);
+        if (phong & active).any() {
+            eval = select_eval(phong, self.phong().eval(wo, wi), eval);
+        }
+        let coated = self.is(KIND_COATED);
+        if (coated & active).any() {
+            eval = select_eval(coated, self.coated().eval(wo, wi), eval);
+        }
+        eval
+    }
+
+    /// See [`MaterialAt::eval_layered`].
+    #[inline(never)]
+    fn sample_layered(&self, wo: Vec3<R>, u_lobe: R, u: [R; 2], active: R::Mask, mut sample: Sample<R>) -> Sample<R> {
+        let phong = self.is(KIND_PHONG);
+        if (phong & active).any() {
+            sample = select_sample(phong, self.phong().sample(wo, u_lobe, u), sample);
+        }
+        let coated = self.is(KIND_COATED);
+        if (coated & active).any() {
+            sample = select_sample(coated, self.coated().sample(wo, u_lobe, u), sample);
         }
         sample
     }
