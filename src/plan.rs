@@ -78,7 +78,7 @@ pub struct Plan {
 impl IntegratorKind {
     /// Does it estimate radiance (rather than show geometry)?
     pub fn transports_light(self) -> bool {
-        matches!(self, IntegratorKind::Path | IntegratorKind::Direct)
+        !matches!(self, IntegratorKind::Normals | IntegratorKind::Depth | IntegratorKind::Hit)
     }
 }
 

@@ -108,6 +108,20 @@ impl<R: Real> MaterialAt<R> {
         }
     }
 
+    /// The material of one lane, in every lane.
+    #[inline(always)]
+    pub fn in_all_lanes(&self, lane: usize) -> Self {
+        MaterialAt {
+            kind: R::splat(self.kind.lane(lane)),
+            a: Vec3::splat(self.a.lane(lane)),
+            b: Vec3::splat(self.b.lane(lane)),
+            alpha: R::splat(self.alpha.lane(lane)),
+            separable: R::Mask::splat(self.separable.lane(lane)),
+            c: R::splat(self.c.lane(lane)),
+            emission: Vec3::splat(self.emission.lane(lane)),
+        }
+    }
+
     #[inline(always)]
     fn is(&self, kind: f32) -> R::Mask {
         self.kind.eq(R::splat(kind))
@@ -247,6 +261,12 @@ impl<R: Real> MaterialAt<R> {
         self.kind = R::select(lanes, R::splat(KIND_CONDUCTOR), self.kind);
         self.c = R::select(lanes, R::splat(FRESNEL_SCHLICK), self.c);
         self.set_alpha(lanes, alpha);
+    }
+
+    /// Lanes whose light comes from the whole hemisphere on the viewer's side, and from nowhere else.
+    #[inline(always)]
+    pub fn gathers(&self) -> R::Mask {
+        !self.is_delta::<AllModels>() & !self.is(KIND_DIELECTRIC)
     }
 
     /// Reflectance as the feature image shows it: ρ of Lambert and below a coat, kd + ks of Phong, F at normal incidence

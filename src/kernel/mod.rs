@@ -5,10 +5,12 @@
 
 mod camera;
 mod cutout;
+mod gather;
 mod maps;
 mod material;
 mod path;
 mod pattern;
+mod phong;
 mod probe;
 mod surface;
 mod texture;
@@ -17,6 +19,7 @@ mod view;
 mod world;
 
 pub use camera::Camera;
+pub use gather::GatherReport;
 pub use path::Traversal;
 pub use probe::{Lanes, NoProbe, Probe, Record, Recorder, Stage};
 pub use texture::TextureTable;
@@ -26,6 +29,7 @@ pub use world::{Prepare, Setup, World};
 use crate::accel::{Brute, Packet, Shadow, Stream};
 use crate::lane::{f32x8, f32x16};
 use crate::plan::{GeometryMode, Shading};
+use crate::scene::IntegratorKind;
 use material::{AllModels, LambertOnly};
 
 /// Every primitive, no tree.
@@ -92,25 +96,48 @@ macro_rules! widths {
 
 /// The kernel that the plan of this world asks for.
 pub fn select(world: &World, width: Width) -> Kernel {
-    let paths = world.integrator.kind.transports_light();
-    match (paths, world.plan.geometry, world.plan.shading) {
-        (true, GeometryMode::Brute, Shading::Lambert) => widths!(width, path, [BruteForce, LambertOnly]),
-        (true, GeometryMode::Brute, Shading::General) => widths!(width, path, [BruteForce, AllModels]),
-        (true, GeometryMode::Tree, Shading::Lambert) => widths!(width, path, [TreeTraversal, LambertOnly]),
-        (true, GeometryMode::Tree, Shading::General) => widths!(width, path, [TreeTraversal, AllModels]),
-        (false, GeometryMode::Brute, _) => widths!(width, view, [BruteForce]),
-        (false, GeometryMode::Tree, _) => widths!(width, view, [TreeTraversal]),
+    match (Estimator::of(world), world.plan.geometry, world.plan.shading) {
+        (Estimator::Path, GeometryMode::Brute, Shading::Lambert) => widths!(width, path, [BruteForce, LambertOnly]),
+        (Estimator::Path, GeometryMode::Brute, Shading::General) => widths!(width, path, [BruteForce, AllModels]),
+        (Estimator::Path, GeometryMode::Tree, Shading::Lambert) => widths!(width, path, [TreeTraversal, LambertOnly]),
+        (Estimator::Path, GeometryMode::Tree, Shading::General) => widths!(width, path, [TreeTraversal, AllModels]),
+        (Estimator::Gather, GeometryMode::Brute, _) => widths!(width, gather, [BruteForce]),
+        (Estimator::Gather, GeometryMode::Tree, _) => widths!(width, gather, [TreeTraversal]),
+        (Estimator::View, GeometryMode::Brute, _) => widths!(width, view, [BruteForce]),
+        (Estimator::View, GeometryMode::Tree, _) => widths!(width, view, [TreeTraversal]),
     }
 }
 
-/// The recording twin of [`select`]: same source, general shading.
+/// What is instantiated for an integrator.
+enum Estimator {
+    Path,
+    Gather,
+    /// The views, and `phong`.
+    View,
+}
+
+impl Estimator {
+    fn of(world: &World) -> Self {
+        match world.integrator.kind {
+            IntegratorKind::Path | IntegratorKind::Direct => Estimator::Path,
+            IntegratorKind::Gather => Estimator::Gather,
+            IntegratorKind::Phong | IntegratorKind::Normals | IntegratorKind::Depth | IntegratorKind::Hit => {
+                Estimator::View
+            }
+        }
+    }
+}
+
+/// The recording twin of [`select`]: same source, general shading. Of a gather it records what each sample found, from
+/// the one kernel there is.
 pub fn select_recording(world: &World, width: Width) -> RecordingKernel {
-    let paths = world.integrator.kind.transports_light();
-    match (paths, world.plan.geometry) {
-        (true, GeometryMode::Brute) => widths!(width, record_path, [BruteForce]),
-        (true, GeometryMode::Tree) => widths!(width, record_path, [TreeTraversal]),
-        (false, GeometryMode::Brute) => widths!(width, record_view, [BruteForce]),
-        (false, GeometryMode::Tree) => widths!(width, record_view, [TreeTraversal]),
+    match (Estimator::of(world), world.plan.geometry) {
+        (Estimator::Path, GeometryMode::Brute) => widths!(width, record_path, [BruteForce]),
+        (Estimator::Path, GeometryMode::Tree) => widths!(width, record_path, [TreeTraversal]),
+        (Estimator::Gather, GeometryMode::Brute) => widths!(width, record_gather, [BruteForce]),
+        (Estimator::Gather, GeometryMode::Tree) => widths!(width, record_gather, [TreeTraversal]),
+        (Estimator::View, GeometryMode::Brute) => widths!(width, record_view, [BruteForce]),
+        (Estimator::View, GeometryMode::Tree) => widths!(width, record_view, [TreeTraversal]),
     }
 }
 
@@ -118,7 +145,7 @@ pub fn select_recording(world: &World, width: Width) -> RecordingKernel {
 mod run {
     use super::material::ShadingKind;
     use super::*;
-    use crate::lane::Real;
+    use crate::lane::{Bits, Real, Vec3};
 
     #[inline(never)]
     pub fn path<R: Real, T: Traversal, S: ShadingKind>(
@@ -133,6 +160,25 @@ mod run {
     #[inline(never)]
     pub fn view<R: Real, T: Traversal>(world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters) {
         super::view::render::<R, T, NoProbe>(world, job, out, counters, &mut NoProbe)
+    }
+
+    #[inline(never)]
+    pub fn gather<R: Real, T: Traversal>(world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters) {
+        super::gather::render::<R, T>(world, job, out, counters)
+    }
+
+    pub fn record_gather<R: Real, T: Traversal>(
+        world: &World,
+        job: &Job,
+        out: &mut SampleBuffer,
+        counters: &mut Counters,
+        recorder: &mut Recorder,
+    ) {
+        gather::<R, T>(world, job, out, counters);
+        for (slot, rgb) in out.rgb.iter_mut().enumerate() {
+            let lanes = Lanes::<f32> { slot: Bits::splat(slot as u32), bounce: 0.0, active: true };
+            *rgb = recorder.tap_rgb(Stage::Radiance, lanes, Vec3::splat(*rgb)).lane(0);
+        }
     }
 
     #[inline(never)]

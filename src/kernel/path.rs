@@ -54,7 +54,7 @@ pub struct Paths<R: Real> {
 
 impl<R: Real> Paths<R> {
     /// All lanes free.
-    fn idle() -> Self {
+    pub(super) fn idle() -> Self {
         Paths {
             ray: Ray { origin: Vec3::zero(), direction: Vec3::splat([0.0, 0.0, 1.0]), t_max: R::splat(f32::INFINITY) },
             hit: Hit::miss(R::splat(f32::INFINITY)),
@@ -107,7 +107,7 @@ pub fn render<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
 
 /// One vertex of every path: what it emits, what lights send through it, where it goes next.
 #[inline(always)]
-fn bounce<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
+pub(super) fn bounce<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     world: &World,
     paths: &mut Paths<R>,
     out: &mut SampleBuffer,
@@ -165,7 +165,7 @@ pub(super) fn tap_hit<R: Real, P: Probe>(probe: &mut P, lanes: Lanes<R>, hit: &m
 
 /// Are both on the same, strictly one, side?
 #[inline(always)]
-fn same_side<R: Real>(a: R, b: R) -> R::Mask {
+pub(super) fn same_side<R: Real>(a: R, b: R) -> R::Mask {
     (a.gt(R::zero()) & b.gt(R::zero())) | (a.lt(R::zero()) & b.lt(R::zero()))
 }
 
@@ -270,7 +270,7 @@ fn add_direct_light<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
 
 /// The shadow ray of a light sample: to a point moved off its light, or to infinity.
 #[inline(always)]
-fn light_ray<R: Real>(surface: &Surface<R>, light: &LightSample<R>) -> Ray<R> {
+pub(super) fn light_ray<R: Real>(surface: &Surface<R>, light: &LightSample<R>) -> Ray<R> {
     let origin = surface.leave(light.wi);
     let to_point = shadow_ray(origin, &SurfacePoint { p: light.target, error: light.target_error }, light.ng);
     Ray {

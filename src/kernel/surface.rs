@@ -81,6 +81,12 @@ impl<R: Real> Surface<R> {
         self.ns = Vec3::select(self.on_sphere, normal, self.ns);
     }
 
+    /// Radiance that the lanes of `found` emit back along a ray, from their front side.
+    #[inline(always)]
+    pub fn emitted(&self, direction: Vec3<R>, found: R::Mask) -> Vec3<R> {
+        self.material.emission.masked(found & self.ng.dot(direction).lt(R::zero()))
+    }
+
     /// Where a ray towards `w` leaves.
     #[inline(always)]
     pub fn leave(&self, w: Vec3<R>) -> Vec3<R> {
@@ -114,5 +120,19 @@ impl<R: Real> Surface<R> {
         let softened = g * (g * (R::one() - g) + R::one());
         let reflects = (wi_z * wo_z).gt(R::zero());
         R::select(reflects, softened, R::one())
+    }
+
+    /// The surface of one lane, in every lane.
+    #[inline(always)]
+    pub fn in_all_lanes(&self, lane: usize) -> Self {
+        let vector = |v: &Vec3<R>| Vec3::splat(v.lane(lane));
+        Surface {
+            at: SurfacePoint { p: vector(&self.at.p), error: vector(&self.at.error) },
+            ng: vector(&self.ng),
+            ns: vector(&self.ns),
+            material: self.material.in_all_lanes(lane),
+            on_sphere: R::Mask::splat(self.on_sphere.lane(lane)),
+            light_row: R::splat(self.light_row.lane(lane)),
+        }
     }
 }

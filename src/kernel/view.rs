@@ -1,4 +1,6 @@
-//! The views: normals, distance, and whether anything was hit. No light transport.
+//! The views: normals, distance, whether anything was hit, and the picture of [`phong`]. Camera rays alone go on.
+//!
+//! [`phong`]: super::phong
 
 use super::path::Traversal;
 use super::probe::{Lanes, Probe, Stage};
@@ -32,18 +34,29 @@ pub fn render<R: Real, T: Traversal, P: Probe>(
         let surface = Surface::at(world, &packet.ray, &packet.hit, found);
         let normal = towards_viewer(surface.ns, packet.ray.direction);
         let distance = packet.hit.t * R::splat(world.unit);
-        let value = match world.integrator.kind {
-            IntegratorKind::Normals => normal,
-            IntegratorKind::Depth => {
-                let depth = distance.neg_mul_add(R::splat(world.integrator.max_depth.recip()), R::one());
-                Vec3::all(depth.max_or(R::zero()))
-            }
-            _ => Vec3::all(R::one()),
-        };
-        let value = probe.tap_rgb(Stage::Radiance, lanes, value.masked(found));
-        out.write(packet.slot, value, packet.active);
+        if world.integrator.kind == IntegratorKind::Phong {
+            let value = super::phong::shade::<R, T>(world, &packet.ray, &surface, found, counters);
+            let value = probe.tap_rgb(Stage::Radiance, lanes, value);
+            out.write(packet.slot, value, packet.active);
+        } else {
+            let value = geometry(world, normal, distance).masked(found);
+            out.write(packet.slot, probe.tap_rgb(Stage::Radiance, lanes, value), packet.active);
+        }
         if found.any() && out.features.is_some() {
             out.write_features(packet.slot, surface.material.albedo(), normal, distance, found);
         }
+    }
+}
+
+/// What a view shows of a hit.
+#[inline(always)]
+fn geometry<R: Real>(world: &World, normal: Vec3<R>, distance: R) -> Vec3<R> {
+    match world.integrator.kind {
+        IntegratorKind::Normals => normal,
+        IntegratorKind::Depth => {
+            let depth = distance.neg_mul_add(R::splat(world.integrator.max_depth.recip()), R::one());
+            Vec3::all(depth.max_or(R::zero()))
+        }
+        _ => Vec3::all(R::one()),
     }
 }

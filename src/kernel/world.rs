@@ -1,15 +1,16 @@
 //! Prepared data: what the kernel reads, built from a [`Scene`] as its [`Plan`] says and nothing more.
 
 use super::camera::Camera;
+use super::gather::{GatherReport, GatherTables};
 use super::material::MaterialTable;
 use super::pattern::mean_radiance;
 use super::texture::TextureTable;
 use crate::accel::{Accel, BuildOptions, BuildReport, Mode, Preset};
 use crate::geometry::{Hit, Ray, Rows, SphereAt, SphereRows, TriangleRows};
-use crate::lane::{Bits, Real, Vec3, float_mode};
+use crate::lane::{Bits, Mask, Real, Vec3, float_mode};
 use crate::light::{Emitter, EmitterShape, Extent, LightError, LightSample, Lights};
 use crate::plan::{GeometryMode, Plan};
-use crate::scene::{DeltaLight, FilmSize, Integrator, NO_NORMAL, NO_TEXCOORD, Scene};
+use crate::scene::{DeltaLight, FilmSize, Integrator, IntegratorKind, NO_NORMAL, NO_TEXCOORD, Scene};
 use std::time::Instant;
 
 /// Everything a kernel needs to render a scene.
@@ -37,6 +38,8 @@ pub struct World {
     pub materials: MaterialTable,
     /// `None` where nothing emits or nothing transports light.
     pub lights: Option<Lights>,
+    /// `None` unless the integrator gathers.
+    pub gather: Option<GatherTables>,
     /// One length unit of the kernel is this many of the scene's: a power of two.
     pub unit: f32,
     pub setup: Setup,
@@ -50,6 +53,8 @@ pub struct Setup {
     pub tree: BuildReport,
     pub row_bytes: usize,
     pub texture_bytes: usize,
+    /// `None` unless the integrator gathers.
+    pub gather: Option<GatherReport>,
 }
 
 /// Options of preparation that do not belong to the scene.
@@ -97,8 +102,9 @@ impl World {
             tree: accel.report().clone(),
             row_bytes: triangles.bytes() + tags.bytes() + normals.bytes() + texcoords.bytes(),
             texture_bytes: textures.bytes(),
+            gather: None,
         };
-        Ok(World {
+        let mut world = World {
             camera: Camera::new(&scene.camera, scene.film, scale),
             film: scene.film,
             integrator: scene.integrator,
@@ -114,10 +120,17 @@ impl World {
             triangle_count: scene.mesh.triangles.len() as u32,
             materials,
             lights,
+            gather: None,
             unit: scale.recip(),
             plan,
             setup,
-        })
+        };
+        if scene.integrator.kind == IntegratorKind::Gather {
+            let tables = GatherTables::new(&world);
+            world.setup.gather = Some(tables.report.clone());
+            world.gather = Some(tables);
+        }
+        Ok(world)
     }
 
     /// The closest hits. One copy a width and mode, called: kernels stay small, and profiles tell traversal apart.
@@ -144,6 +157,13 @@ impl World {
         (primitive - R::Bits::splat(self.triangle_count)).shr::<31>().eq(R::Bits::splat(0))
     }
 
+    /// Radiance of the environment along unit directions that leave the scene.
+    #[inline(never)]
+    pub fn background<R: Real>(&self, direction: Vec3<R>, missed: R::Mask) -> Vec3<R> {
+        let lights = self.lights.as_ref().filter(|_| self.plan.environment && missed.any());
+        lights.map_or(Vec3::zero(), |lights| lights.environment_radiance(direction).masked(missed))
+    }
+
     /// The spheres that lanes hit.
     #[inline(always)]
     pub fn sphere_at<R: Real>(&self, primitive: R::Bits, on_sphere: R::Mask) -> SphereAt<R> {
@@ -154,7 +174,7 @@ impl World {
 /// `direct` is a path of one scattering event.
 fn max_bounces(integrator: &Integrator) -> f32 {
     match integrator.kind {
-        crate::scene::IntegratorKind::Direct => integrator.max_bounces.min(1) as f32,
+        IntegratorKind::Direct => integrator.max_bounces.min(1) as f32,
         _ => integrator.max_bounces as f32,
     }
 }

@@ -81,7 +81,21 @@ impl DeltaLights {
     /// pdf the probability of the choice times `share`.
     #[inline(always)]
     pub(super) fn sample<R: Real>(&self, origin: Vec3<R>, u_choice: R, u: [R; 2], share: f32) -> LightSample<R> {
-        let row = R::fetch_rows(&self.rows, self.table.choose(u_choice, u));
+        let index = self.table.choose(u_choice, u);
+        let (mut sample, probability) = self.seen(index, origin);
+        sample.pdf = sample.pdf * (probability * R::splat(share));
+        sample
+    }
+
+    /// Light `index`, with pdf 1 where it is lit. Panics past the last.
+    pub(super) fn one<R: Real>(&self, index: usize, origin: Vec3<R>) -> LightSample<R> {
+        self.seen(R::Bits::splat(index as u32), origin).0
+    }
+
+    /// With pdf 1 where `origin` is lit, and the light's choice probability.
+    #[inline(always)]
+    fn seen<R: Real>(&self, index: R::Bits, origin: Vec3<R>) -> (LightSample<R>, R) {
+        let row = R::fetch_rows(&self.rows, index);
         let vector = |k: usize| Vec3::new(row[k], row[k + 1], row[k + 2]);
         let (axis, position) = (vector(AXIS), vector(POSITION));
         let directional = row[IS_DIRECTIONAL].gt(R::zero());
@@ -92,16 +106,17 @@ impl DeltaLights {
         let falloff = R::select(directional, R::one(), squared.recip());
         // |wi + axis|² = 2 (1 − cos), which tells narrow cones apart where cosines do not.
         let lit = (wi + axis).length_squared().le(row[LIMIT]) & falloff.is_finite();
-        LightSample {
+        let sample = LightSample {
             wi,
             target: position,
             distance: R::select(directional, R::splat(f32::INFINITY), length),
             radiance: vector(STRENGTH) * falloff,
-            pdf: (row[PDF_ROW] * R::splat(share)).masked(lit),
+            pdf: R::one().masked(lit),
             is_environment: directional,
             primitive: R::Bits::splat(DELTA_LIGHT),
             ..LightSample::none()
-        }
+        };
+        (sample, row[PDF_ROW])
     }
 }
 

@@ -78,6 +78,12 @@ impl Lights {
         self.delta.as_ref().map_or(0, DeltaLights::len)
     }
 
+    /// Light `index` < [`Lights::delta_count`] of those without extent, as seen from `p`, with pdf 1; pdf 0 where `p` is
+    /// outside its cone.
+    pub fn delta_light<R: Real>(&self, index: usize, p: Vec3<R>) -> Option<LightSample<R>> {
+        Some(self.delta.as_ref()?.one(index, p))
+    }
+
     pub fn environment_map(&self) -> Option<&EnvironmentMap> {
         self.environment.as_ref()
     }

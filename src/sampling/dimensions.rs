@@ -24,7 +24,9 @@ pub const LIGHT_POSITION: usize = 4;
 pub const ROULETTE: usize = 6;
 /// Does a cut-out let the path pass?
 pub const OPACITY: usize = 7;
+/// By what angle a point set is turned.
+pub const ROTATION: usize = 8;
 /// The first of the reserved numbers.
-pub const RESERVED: usize = 8;
+pub const RESERVED: usize = 9;
 
 const _: () = assert!(LENS + 2 == CAMERA && RESERVED < BOUNCE);

@@ -11,6 +11,16 @@ pub fn sample_key(seed: u64, pixel: u32, sample: u32) -> u64 {
     mix(index ^ mix(seed ^ SEED_OFFSET))
 }
 
+/// The key of child `child` of a sample: a split, or one ray of a gather. The children of one key all differ, from each
+/// other and from it; those of different keys meet as seldom as random numbers of 64 bits do.
+#[inline]
+pub fn child_key(key: u64, child: u32) -> u64 {
+    mix(key.wrapping_add((u64::from(child) + 1).wrapping_mul(CHILD_STEP)))
+}
+
+/// Odd, so that a million steps pass through a million values. The fraction of √3.
+const CHILD_STEP: u64 = 0xbb67_ae85_84ca_a73b;
+
 /// Keeps seed 0 off the fixed point `mix(0) = 0`. The fraction of √2.
 const SEED_OFFSET: u64 = 0x6a09_e667_f3bc_c908;
 

@@ -13,7 +13,7 @@ pub mod warp;
 mod xoshiro;
 
 pub use frame::Frame;
-pub use key::sample_key;
+pub use key::{child_key, sample_key};
 pub use mix::{mix3, to_unit};
 pub use xoshiro::Xoshiro;
 

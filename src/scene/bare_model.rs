@@ -5,8 +5,8 @@ use super::materials::Materials;
 use super::mesh_file::add_obj;
 use super::notes::Notes;
 use super::surroundings::Surroundings;
-use super::toml_file::{DEFAULT_FILM, DEFAULT_INTEGRATOR};
-use super::{Camera, Environment, Material, Mesh, Scene, Sphere};
+use super::toml_file::DEFAULT_FILM;
+use super::{Camera, Environment, Integrator, Material, Mesh, Scene, Sphere};
 use glam::DVec3;
 use std::path::Path;
 
@@ -58,7 +58,7 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
         name: String::new(),
         camera,
         film: DEFAULT_FILM,
-        integrator: DEFAULT_INTEGRATOR,
+        integrator: Integrator::default(),
         environment,
         delta_lights: Vec::new(),
         mesh,

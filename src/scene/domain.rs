@@ -4,7 +4,7 @@ use crate::bsdf::EXPONENT_MAX;
 
 /// A set of numbers with the words an error message uses for it.
 pub(super) struct Domain {
-    contains: fn(f32) -> bool,
+    pub contains: fn(f32) -> bool,
     pub words: &'static str,
 }
 

@@ -9,6 +9,7 @@ mod draft;
 mod environment;
 mod error;
 mod fingerprint;
+mod gather;
 mod image_file;
 mod load;
 mod materials;
@@ -22,12 +23,14 @@ mod obj_texcoords;
 mod surroundings;
 mod texture;
 mod toml_file;
+mod toml_integrator;
 mod toml_light;
 mod toml_material;
 mod toml_text;
 mod transform;
 
 pub use error::SceneError;
+pub use gather::{Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherWeights};
 pub use load::load;
 pub use texture::{Channel, Image, Maps, Texels, Texture};
 
@@ -81,12 +84,28 @@ pub struct Integrator {
     pub max_bounces: u32,
     /// `depth` view: the distance that reads 0.
     pub max_depth: f32,
+    /// `phong`: radiance that arrives from everywhere, ≥ 0.
+    pub ambient: [f32; 3],
+    /// Read for `gather` alone.
+    pub gather: Gather,
+}
+
+/// How light is followed where the scene does not say.
+impl Default for Integrator {
+    fn default() -> Self {
+        let kind = IntegratorKind::Path;
+        Integrator { kind, max_bounces: 7, max_depth: 5.0, ambient: [0.0; 3], gather: Gather::default() }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IntegratorKind {
     Path,
     Direct,
+    /// At the first hit, n directions with the weights of an estimator.
+    Gather,
+    /// Ambient light, and lights without extent with their shadows: nothing is random but the camera's numbers.
+    Phong,
     Normals,
     Depth,
     Hit,

@@ -7,11 +7,12 @@ use super::load::beside;
 use super::materials::Materials;
 use super::mesh_file::add_obj;
 use super::notes::Notes;
+use super::toml_integrator::{IntegratorTable, integrator};
 use super::toml_light::{DirectionalTable, EnvironmentTable, PointTable, SpotTable, delta_lights, environment};
 use super::toml_material::MaterialTable;
 use super::toml_text::{Numbers, TomlText};
 use super::transform::Transform;
-use super::{Camera, FilmSize, Integrator, IntegratorKind, Mesh, Scene, Sphere};
+use super::{Camera, FilmSize, Mesh, Scene, Sphere};
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -59,14 +60,6 @@ struct FilmTable {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct IntegratorTable {
-    kind: Option<Spanned<String>>,
-    max_bounces: Option<Spanned<i64>>,
-    max_depth: Option<Spanned<f64>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct MeshTable {
     file: Spanned<String>,
     #[serde(default)]
@@ -86,11 +79,6 @@ struct SphereTable {
 const LONGEST_SIDE: u32 = 65_536;
 /// The most pixels of a film: beyond, its sums alone would take tens of gigabytes.
 const MOST_PIXELS: u64 = 1 << 28;
-/// How light is followed where the scene does not say.
-pub(super) const DEFAULT_INTEGRATOR: Integrator =
-    Integrator { kind: IntegratorKind::Path, max_bounces: 7, max_depth: DEFAULT_MAX_DEPTH };
-/// The distance that the depth view shows as 0 where the scene does not say.
-const DEFAULT_MAX_DEPTH: f32 = 5.0;
 /// Film size where the scene does not say.
 pub(super) const DEFAULT_FILM: FilmSize = FilmSize { width: 512, height: 512 };
 
@@ -179,34 +167,6 @@ fn film(table: Option<&FilmTable>, text: &TomlText) -> Result<FilmSize, SceneErr
         return Err(text.error(place, message, format!("give at most {MOST_PIXELS} pixels")));
     }
     Ok(FilmSize { width, height })
-}
-
-fn integrator(table: Option<&IntegratorTable>, text: &TomlText) -> Result<Integrator, SceneError> {
-    let mut integrator = DEFAULT_INTEGRATOR;
-    let Some(table) = table else { return Ok(integrator) };
-    if let Some(kind) = &table.kind {
-        integrator.kind = match kind.as_ref().as_str() {
-            "path" => IntegratorKind::Path,
-            "direct" => IntegratorKind::Direct,
-            "normals" => IntegratorKind::Normals,
-            "depth" => IntegratorKind::Depth,
-            "hit" => IntegratorKind::Hit,
-            other => {
-                let message = format!("unknown integrator `{other}`");
-                return Err(text.error(kind.span(), message, "use path, direct, normals, depth or hit"));
-            }
-        };
-    }
-    if let Some(bounces) = &table.max_bounces {
-        integrator.max_bounces = u32::try_from(*bounces.as_ref()).map_err(|_| {
-            let message = format!("`max_bounces` = {} is out of range", bounces.as_ref());
-            text.error(bounces.span(), message, "give a whole number from 0 to 4294967295")
-        })?;
-    }
-    if let Some(depth) = &table.max_depth {
-        integrator.max_depth = text.number("max_depth", depth, &POSITIVE)?;
-    }
-    Ok(integrator)
 }
 
 fn defined_materials(

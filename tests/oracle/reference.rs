@@ -45,7 +45,7 @@ pub fn read_scene(dir: &Path) -> Scene {
         integrator: Integrator {
             kind: IntegratorKind::Path,
             max_bounces: file["integrator"]["max_bounces"].as_integer().expect("an integer") as u32,
-            max_depth: 1.0,
+            ..Integrator::default()
         },
         environment: file.get("environment").map(|e| Environment::Constant(vec3(&e["radiance"]))),
         delta_lights: Vec::new(),

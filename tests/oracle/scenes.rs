@@ -26,7 +26,12 @@ impl SceneBuilder {
                 name: "by hand".to_string(),
                 camera,
                 film: FilmSize { width: 1, height: 1 },
-                integrator: Integrator { kind: IntegratorKind::Path, max_bounces: 1, max_depth: 1.0 },
+                integrator: Integrator {
+                    kind: IntegratorKind::Path,
+                    max_bounces: 1,
+                    max_depth: 1.0,
+                    ..Integrator::default()
+                },
                 environment: None,
                 delta_lights: Vec::new(),
                 mesh: Mesh::default(),

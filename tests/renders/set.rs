@@ -26,7 +26,8 @@ impl Set {
             lens_radius: 0.0,
             focus_distance: 1.0,
         };
-        let integrator = Integrator { kind: IntegratorKind::Path, max_bounces: 7, max_depth: 1.0 };
+        let integrator =
+            Integrator { kind: IntegratorKind::Path, max_bounces: 7, max_depth: 1.0, ..Integrator::default() };
         let scene = Scene {
             name: "built by a test".into(),
             camera,

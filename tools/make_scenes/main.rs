@@ -1,4 +1,5 @@
-//! Writes the procedural parts of `scenes/`: the plates of veach, the sky and the ring of sun-sky.
+//! Writes the procedural parts of `scenes/`: the plates of veach, the sky and the ring of sun-sky, the
+//! sky of course.
 //!
 //! `cargo run --release --example make_scenes [FOLDER]`; the folder is `scenes` unless given. The files are committed:
 //! this is needed only to change them, and running it again gives the same bytes.
@@ -18,6 +19,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder.join("sun-sky"))?;
     std::fs::write(folder.join("veach/plates.obj"), plates::obj())?;
     std::fs::write(folder.join("sun-sky/ring.obj"), ring::obj())?;
+    std::fs::create_dir_all(folder.join("course"))?;
+    sky::write_without_sun(&folder.join("course/sky.exr"))?;
     sky::write(&folder.join("sun-sky/sky.exr"))?;
     Ok(())
 }

@@ -32,8 +32,17 @@ const C: f64 = 10.0;
 const D: f64 = -3.0;
 const E: f64 = 0.45;
 
+/// With the sun.
 pub fn write(path: &Path) -> Result<()> {
-    let sky = scaled_sky();
+    write_texels(path, &scaled_sky(true))
+}
+
+/// The sky and the ground alone: smooth but at the horizon.
+pub fn write_without_sun(path: &Path) -> Result<()> {
+    write_texels(path, &scaled_sky(false))
+}
+
+fn write_texels(path: &Path, sky: &[[f64; 3]]) -> Result<()> {
     let texel = |position: Vec2<usize>| {
         let [r, g, b] = sky[position.y() * WIDTH + position.x()].map(f16::from_f64);
         (r, g, b)
@@ -44,8 +53,8 @@ pub fn write(path: &Path) -> Result<()> {
     Image::from_layer(layer).write().to_file(path)
 }
 
-/// Sky and ground with the sky's horizontal irradiance brought to 1, and the sun added.
-fn scaled_sky() -> Vec<[f64; 3]> {
+/// Sky and ground with the sky's horizontal irradiance brought to 1, and the sun added if wanted.
+fn scaled_sky(with_sun: bool) -> Vec<[f64; 3]> {
     let sky = texels(|w| if w[1] > 0.0 { clear_sky(w) } else { [0.0; 3] });
     let irradiance: f64 = (0..HEIGHT / 2)
         .flat_map(|row| (0..WIDTH).map(move |column| (row, column)))
@@ -55,7 +64,7 @@ fn scaled_sky() -> Vec<[f64; 3]> {
             luminance(sky[row * WIDTH + column]) * theta.cos() * solid_angle
         })
         .sum();
-    let sun_radiance = SUN_TO_SKY / (PI * SUN_RADIUS.sin().powi(2));
+    let sun_radiance = if with_sun { SUN_TO_SKY / (PI * SUN_RADIUS.sin().powi(2)) } else { 0.0 };
     let sun = texels(|w| if angle_to_sun(w) < SUN_RADIUS { SUN_COLOUR.map(|c| c * sun_radiance) } else { [0.0; 3] });
     let ground = texels(|w| if w[1] > 0.0 { [0.0; 3] } else { GROUND });
     (0..WIDTH * HEIGHT).map(|i| std::array::from_fn(|c| sky[i][c] / irradiance + sun[i][c] + ground[i][c])).collect()

@@ -1,0 +1,168 @@
+//! `[integrator]`.
+
+use super::domain::{Domain, NON_NEGATIVE, POSITIVE};
+use super::error::SceneError;
+use super::gather::{MOST_DIRECTIONS, MOST_SETS};
+use super::toml_text::{Colour, TomlText};
+use super::{
+    Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherWeights, Integrator, IntegratorKind,
+};
+use crate::estimate::bmc::{Covariance, Points};
+use serde::Deserialize;
+use toml::Spanned;
+
+type Word = Option<Spanned<String>>;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct IntegratorTable {
+    kind: Word,
+    max_bounces: Option<Spanned<i64>>,
+    max_depth: Option<Spanned<f64>>,
+    ambient: Option<Spanned<Colour>>,
+    samples: Option<Spanned<i64>>,
+    method: Word,
+    points: Word,
+    pdf: Word,
+    covariance: Word,
+    length: Option<Spanned<f64>>,
+    smoothness: Option<Spanned<f64>>,
+    sets: Option<Spanned<i64>>,
+    rotate: Word,
+    weights: Word,
+    lights: Word,
+}
+
+const KINDS: [(&str, IntegratorKind); 7] = [
+    ("path", IntegratorKind::Path),
+    ("direct", IntegratorKind::Direct),
+    ("gather", IntegratorKind::Gather),
+    ("phong", IntegratorKind::Phong),
+    ("normals", IntegratorKind::Normals),
+    ("depth", IntegratorKind::Depth),
+    ("hit", IntegratorKind::Hit),
+];
+const METHODS: [(&str, GatherMethod); 4] = [
+    ("mc", GatherMethod::Mc),
+    ("mc-is", GatherMethod::McIs),
+    ("bmc", GatherMethod::Bmc),
+    ("bmc-is", GatherMethod::BmcIs),
+];
+const POINTS: [(&str, Points); 3] =
+    [("random", Points::Random), ("owen", Points::Owen), ("fibonacci", Points::Fibonacci)];
+const PDFS: [(&str, GatherPdf); 3] =
+    [("uniform", GatherPdf::Uniform), ("cosine", GatherPdf::Cosine), ("lobe", GatherPdf::Lobe)];
+const ROTATIONS: [(&str, bool); 2] = [("none", false), ("random", true)];
+const WEIGHTS: [(&str, GatherWeights); 2] = [("per-hit", GatherWeights::PerHit), ("shared", GatherWeights::Shared)];
+const LIGHTS: [(&str, GatherLights); 2] = [("seen", GatherLights::Seen), ("sampled", GatherLights::Sampled)];
+
+/// A length-scale or smoothness where the scene gives none.
+const DEFAULT_LENGTH: f64 = 0.5;
+const DEFAULT_SMOOTHNESS: f64 = 1.5;
+
+pub(super) fn integrator(table: Option<&IntegratorTable>, text: &TomlText) -> Result<Integrator, SceneError> {
+    let mut integrator = Integrator::default();
+    let Some(table) = table else { return Ok(integrator) };
+    integrator.kind = choice("integrator", &table.kind, &KINDS, integrator.kind, text)?;
+    if let Some(bounces) = &table.max_bounces {
+        integrator.max_bounces = u32::try_from(*bounces.as_ref()).map_err(|_| {
+            let message = format!("`max_bounces` = {} is out of range", bounces.as_ref());
+            text.error(bounces.span(), message, "give a whole number from 0 to 4294967295")
+        })?;
+    }
+    if let Some(depth) = &table.max_depth {
+        integrator.max_depth = text.number("max_depth", depth, &POSITIVE)?;
+    }
+    if let Some(ambient) = &table.ambient {
+        integrator.ambient = text.colour("ambient", ambient, &NON_NEGATIVE)?;
+    }
+    integrator.gather = gather(table, text)?;
+    Ok(integrator)
+}
+
+fn gather(table: &IntegratorTable, text: &TomlText) -> Result<Gather, SceneError> {
+    let default = Gather::default();
+    let method = choice("method", &table.method, &METHODS, default.method, text)?;
+    let weights = choice("way of `weights`", &table.weights, &WEIGHTS, default.weights, text)?;
+    let per_hit = weights == GatherWeights::PerHit;
+    if let Some(sets) = table.sets.as_ref().filter(|_| per_hit) {
+        let mend = "leave `sets` out, or say weights = \"shared\"";
+        return Err(text.error(sets.span(), "per-hit weights come without sets made beforehand", mend));
+    }
+    Ok(Gather {
+        samples: count("samples", &table.samples, default.samples, MOST_DIRECTIONS, text)?,
+        method,
+        points: choice("kind of points", &table.points, &POINTS, default.points, text)?,
+        pdf: pdf(table, method, text)?,
+        covariance: covariance(table, text)?,
+        sets: count("sets", &table.sets, default.sets, MOST_SETS, text)?,
+        rotate: choice("way to `rotate`", &table.rotate, &ROTATIONS, !per_hit, text)?,
+        weights,
+        lights: choice("way of `lights`", &table.lights, &LIGHTS, default.lights, text)?,
+    })
+}
+
+/// The value that a word stands for.
+fn choice<T: Copy>(what: &str, word: &Word, known: &[(&str, T)], default: T, text: &TomlText) -> Result<T, SceneError> {
+    let Some(word) = word else { return Ok(default) };
+    known.iter().find(|(name, _)| *name == word.as_ref().as_str()).map(|(_, value)| *value).ok_or_else(|| {
+        let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+        let mend = match names.split_last() {
+            Some((last, others)) => format!("use {} or {last}", others.join(", ")),
+            None => String::new(),
+        };
+        text.error(word.span(), format!("unknown {what} `{}`", word.as_ref()), mend)
+    })
+}
+
+fn count(key: &str, n: &Option<Spanned<i64>>, default: u32, most: u32, text: &TomlText) -> Result<u32, SceneError> {
+    let Some(n) = n else { return Ok(default) };
+    u32::try_from(*n.as_ref()).ok().filter(|n| (1..=most).contains(n)).ok_or_else(|| {
+        text.error(n.span(), format!("`{key}` = {} is out of range", n.as_ref()), format!("give 1 to {most}"))
+    })
+}
+
+/// `mc` and `bmc` are the uniform ones by definition.
+fn pdf(table: &IntegratorTable, method: GatherMethod, text: &TomlText) -> Result<GatherPdf, SceneError> {
+    let default = if method.is_importance() { GatherPdf::Cosine } else { GatherPdf::Uniform };
+    let pdf = choice("pdf", &table.pdf, &PDFS, default, text)?;
+    match &table.pdf {
+        Some(word) if (pdf == GatherPdf::Uniform) == method.is_importance() => {
+            let (message, mend) = if method.is_importance() {
+                ("directions by importance are not uniform", "use cosine or lobe, or drop `-is` from the method")
+            } else {
+                ("mc and bmc draw uniform directions", "use the method with `-is`, or leave `pdf` out")
+            };
+            Err(text.error(word.span(), message, mend))
+        }
+        _ => Ok(pdf),
+    }
+}
+
+fn covariance(table: &IntegratorTable, text: &TomlText) -> Result<GatherCovariance, SceneError> {
+    const NAMES: [(&str, &str); 3] = [("sobolev", "smoothness"), ("se", "length"), ("fitted", "")];
+    const ANY: Domain = Domain { contains: f32::is_finite, words: "finite" };
+    let parameter = choice("covariance", &table.covariance, &NAMES, "smoothness", text)?;
+    let given = [("length", &table.length), ("smoothness", &table.smoothness)];
+    let stray = given.iter().find_map(|(key, value)| value.as_ref().filter(|_| *key != parameter).map(|v| (key, v)));
+    if let Some((key, value)) = stray {
+        let mend = "`length` goes with covariance = \"se\", `smoothness` with \"sobolev\"";
+        return Err(text.error(value.span(), format!("this covariance has no `{key}`"), mend));
+    }
+    let number = |value: &Option<Spanned<f64>>, default| {
+        value.as_ref().map_or(Ok(default), |value| {
+            text.number(parameter, value, &ANY)?;
+            Ok(*value.as_ref())
+        })
+    };
+    let covariance = match parameter {
+        "length" => Covariance::SquaredExponential { length: number(&table.length, DEFAULT_LENGTH)? },
+        "smoothness" => Covariance::Sobolev { smoothness: number(&table.smoothness, DEFAULT_SMOOTHNESS)? },
+        _ => return Ok(GatherCovariance::Fitted),
+    };
+    covariance.check().map(GatherCovariance::Given).map_err(|message| {
+        let place = table.length.as_ref().or(table.smoothness.as_ref()).map_or(0..0, Spanned::span);
+        let (message, mend) = message.split_once("; ").unwrap_or((&message, "mend it"));
+        text.error(place, message, mend)
+    })
+}
