@@ -8,6 +8,7 @@ mod closed_forms;
 mod equivalence;
 mod estimate;
 mod film;
+mod gather;
 mod independent;
 mod lane;
 mod light;

@@ -64,6 +64,16 @@ fn decision<R: Real>(u: R, primitive: R::Bits, layer: u32) -> R {
     to_unit(mix3::<R>(u.to_bits(), primitive, R::Bits::splat(layer))[0])
 }
 
+/// The share of light that reaches the end of each shadow ray, 0 in lanes that are not `active`: any hit of `S` hides it,
+/// unless cut-outs let some of it through, which `B` then finds.
+#[inline(always)]
+pub fn visible<R: Real, S: Mode, B: Mode>(world: &World, ray: &Ray<R>, active: R::Mask) -> R {
+    let occluded = world.occluded::<R, S>(ray, active);
+    let clear = R::one().masked(active & !occluded);
+    let hidden = active & occluded;
+    if world.plan.cutouts && hidden.any() { clear + transmittance::<R, B>(world, ray, hidden).masked(hidden) } else { clear }
+}
+
 /// The share of light that reaches the end of each shadow ray of `active`, in all of which something is in the way.
 #[inline(never)]
 pub fn transmittance<R: Real, M: Mode>(world: &World, ray: &Ray<R>, active: R::Mask) -> R {

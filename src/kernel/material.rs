@@ -263,10 +263,12 @@ impl<R: Real> MaterialAt<R> {
         self.set_alpha(lanes, alpha);
     }
 
-    /// Lanes whose light comes from the whole hemisphere on the viewer's side, and from nowhere else.
+    /// Lanes whose light comes from the hemisphere on the viewer's side alone, and by no delta.
     #[inline(always)]
     pub fn gathers(&self) -> R::Mask {
-        !self.is_delta::<AllModels>() & !self.is(KIND_DIELECTRIC)
+        let microfacets = self.is(KIND_CONDUCTOR) | self.is(KIND_COATED);
+        let smooth = microfacets & self.alpha.lt(R::splat(ALPHA_MIN));
+        !smooth & !self.is(KIND_DIELECTRIC)
     }
 
     /// Reflectance as the feature image shows it: ρ of Lambert and below a coat, kd + ks of Phong, F at normal incidence

@@ -4,6 +4,7 @@
 //! L = Le + a·ρ + Σ_l V f(wo, wl) cosθ E_l with f the material's (for Phong its lobe), ρ its reflectance, a the ambient
 //! radiance (Phong 1975, "Illumination for Computer Generated Pictures"; normalised as `bsdf::Phong` is).
 
+use super::cutout;
 use super::material::AllModels;
 use super::path::{Traversal, light_ray, same_side};
 use super::surface::Surface;
@@ -34,12 +35,15 @@ pub fn shade<R: Real, T: Traversal>(
         let wi = frame.to_local(light.wi);
         let lit = faces & light.pdf.gt(R::zero()) & same_side(wi.z, surface.ng.dot(light.wi));
         let f_cos = surface.material.eval::<AllModels>(&world.plan, wo, wi, lit).value;
-        let contribution = f_cos.hadamard(light.radiance);
+        let mut contribution = f_cos.hadamard(light.radiance);
+        if world.plan.shading_normals {
+            contribution = contribution * surface.terminator(light.wi, wi.z, wo.z);
+        }
         let carries = lit & contribution.max_component().gt(R::zero());
         if carries.any() {
             counters.shadow(carries);
-            let occluded = world.occluded::<R, T::Shadow>(&light_ray(surface, &light), carries);
-            radiance = radiance + contribution.masked(carries & !occluded);
+            let clear = cutout::visible::<R, T::Shadow, T::Bounce>(world, &light_ray(surface, &light), carries);
+            radiance = radiance + (contribution * clear).masked(carries);
         }
     }
     radiance + world.background(ray.direction, !found)

@@ -41,7 +41,7 @@ impl StoppedBy {
     /// What this says about the estimate's bias.
     pub fn claim(self) -> &'static str {
         match self {
-            StoppedBy::Samples => "fixed sample count, unbiased",
+            StoppedBy::Samples => "fixed sample count, which adds no bias",
             StoppedBy::Time => "stopped by the clock between equal passes, bias O(1/passes)",
             StoppedBy::Error => "sequentially stopped, bias O(1/n)",
             StoppedBy::Interrupt => "interrupted, bias O(1/passes)",

@@ -28,7 +28,10 @@ pub struct Summary {
     /// Of these, held at the start: from a state.
     pub resumed_samples: u64,
     pub stopped_by: StoppedBy,
+    /// What the way it was stopped does to the estimate.
     pub claim: &'static str,
+    /// What the estimator itself does to it; `None` where its samples are unbiased.
+    pub note: Option<&'static str>,
     pub relative_error: Option<f64>,
     /// Reading the scene and building what the kernel reads.
     pub setup_seconds: f64,
@@ -83,6 +86,7 @@ impl Summary {
             resumed_samples: 0,
             stopped_by: outcome.stopped_by,
             claim: outcome.stopped_by.claim(),
+            note: world.integrator.note(),
             relative_error: outcome.film.relative_error(),
             setup_seconds: times.setup + times.load,
             load_seconds: times.load,
@@ -117,6 +121,9 @@ impl fmt::Display for Summary {
             "{} × {}, {} samples per pixel, stopped by {:?} ({})",
             self.width, self.height, self.samples_per_pixel, self.stopped_by, self.claim
         )?;
+        if let Some(note) = self.note {
+            writeln!(f, "{note}")?;
+        }
         writeln!(
             f,
             "{:.2} Mpaths/s; Mrays/s: {:.1} camera, {:.1} bounce, {:.1} shadow; lanes {:.0} % of {} on {} threads",

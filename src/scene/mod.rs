@@ -98,6 +98,20 @@ impl Default for Integrator {
     }
 }
 
+impl Integrator {
+    /// What an estimate's reader must know beyond how it was stopped; `None` where every sample is unbiased.
+    pub fn note(&self) -> Option<&'static str> {
+        let gather = Some(self.gather).filter(|_| self.kind == IntegratorKind::Gather)?;
+        match (gather.method.is_bayesian(), gather.weights) {
+            (true, _) => Some("posterior means: biased, and what hits share does not average out over samples"),
+            (false, GatherWeights::Shared) => {
+                Some("point sets are shared: unbiased over seeds, but their error does not average out over samples")
+            }
+            (false, GatherWeights::PerHit) => None,
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IntegratorKind {
     Path,

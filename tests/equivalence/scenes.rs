@@ -1,9 +1,10 @@
 //! Scenes that together need everything the kernel has, and one by one need little.
 
 use crate::renders::Set;
+use octolux::estimate::bmc::Points;
 use octolux::scene::{
-    Bsdf, Channel, ConductorFresnel, DeltaLight, Environment, EnvironmentImage, Image, Maps, Masking, Material,
-    NO_TEXCOORD, Scene, Texels, Texture,
+    Bsdf, Channel, ConductorFresnel, DeltaLight, Environment, EnvironmentImage, Gather, GatherLights, GatherMethod,
+    GatherWeights, Image, Integrator, IntegratorKind, Maps, Masking, Material, NO_TEXCOORD, Scene, Texels, Texture,
 };
 use std::f64::consts::TAU;
 
@@ -21,8 +22,36 @@ pub fn all() -> Vec<(&'static str, Scene)> {
         ("lambert stage", lambert_stage()),
         ("images", images()),
         ("crumpled ball", crumpled_ball(true)),
+        ("gather", with_gather(spheres_under_a_sky(), 1, Gather::default())),
+        ("gather, paths go on", with_gather(everything(), 4, Gather { samples: 9, ..Gather::default() })),
+        ("gather, at each hit", with_gather(lambert_room(), 1, per_hit(Points::Owen, GatherMethod::BmcIs))),
+        ("gather, random points", with_gather(everything(), 1, per_hit(Points::Random, GatherMethod::McIs))),
+        ("gather, lights sampled", with_gather(stage_lights(true), 2, sampled(Points::Fibonacci))),
+        ("gather, images", with_gather(images(), 1, per_hit(Points::Fibonacci, GatherMethod::BmcIs))),
+        ("gather, smooth normals", with_gather(crumpled_ball(true), 2, Gather { samples: 17, ..Gather::default() })),
+        ("phong", phong(stage_lights(true))),
+        ("phong, images", phong(lit(Set::of(images())).finish())),
         ("black", Set::new([0.0, 0.0, 3.0], [0.0; 3], 40.0, SIDE).finish()),
     ]
+}
+
+fn with_gather(mut scene: Scene, bounces: u32, gather: Gather) -> Scene {
+    scene.integrator =
+        Integrator { kind: IntegratorKind::Gather, max_bounces: bounces, gather, ..Integrator::default() };
+    scene
+}
+
+fn per_hit(points: Points, method: GatherMethod) -> Gather {
+    Gather { samples: 11, points, method, weights: GatherWeights::PerHit, ..Gather::default() }
+}
+
+fn sampled(points: Points) -> Gather {
+    Gather { lights: GatherLights::Sampled, ..per_hit(points, GatherMethod::McIs) }
+}
+
+fn phong(mut scene: Scene) -> Scene {
+    scene.integrator = Integrator { kind: IntegratorKind::Phong, ambient: [0.1, 0.2, 0.3], ..Integrator::default() };
+    scene
 }
 
 /// All materials, both kinds of emitters, an image environment, smooth normals, a tree.

@@ -47,15 +47,21 @@ fn unknown_keys() {
     refuses_after_camera("[film]\nwidth = 3\nheigth = 4\n", 3, &["heigth", "height"]);
     refuses_after_camera("[environment]\nradiance = 1\nrotated = 5\n", 3, &["rotated", "rotation"]);
     refuses_after_camera("[[pointlight]]\nposition = [0, 0, 0]\n", 1, &["pointlight", "point_light"]);
-    refuses_after_camera("[integrator]\nambient = [1, 1, 1]\n", 2, &["ambient"]);
+    refuses_after_camera("[integrator]
+ambience = [1, 1, 1]
+", 2, &["ambience", "ambient"]);
     refuses_after_camera(
-        "[materials.a]\ntype = \"diffuse\"\nreflectance = 1\ntransparency = 0\n",
+        "[materials.a]
+type = \"diffuse\"
+reflectance = 1
+transparency = 0
+",
         4,
         &["transparency", "opacity"],
     );
     refuses_after_camera("[materials.a]\ntype = \"phong\"\n", 2, &["phong", "diffuse"]);
     refuses_after_camera("[materials.a]\ntype = \"coated\"\nreflectance = 1\n", 2, &["coated"]);
-    refuses_after_camera("[integrator]\nkind = \"gather\"\n", 2, &["gather", "path"]);
+    refuses_after_camera("[integrator]\nkind = \"photons\"\n", 2, &["photons", "path", "gather"]);
     refuses_after_camera("[materials.a]\ntype = \"diffuse\"\nreflectance = 1\nior = 1.5\n", 4, &["diffuse", "ior"]);
     refuses_after_camera("[materials.a]\ntype = \"dielectric\"\nior = 1.5\nf0 = 1\n", 4, &["dielectric", "f0"]);
 }
@@ -221,4 +227,28 @@ fn files_of_no_known_kind() {
     assert!(files.error("").line.is_none());
     std::fs::write(files.path("latin.toml"), b"[camera]\n# caf\xe9\n").expect("a file");
     assert_eq!(files.error("latin.toml").line, Some(2));
+}
+
+#[test]
+fn gathers() {
+    let integrator = |text: &str, line: usize, words: &[&str]| {
+        refuses_after_camera(&format!("[integrator]\nkind = \"gather\"\n{text}\n"), 2 + line, words);
+    };
+    integrator("samples = 0", 1, &["samples", "1024"]);
+    integrator("samples = 4000", 1, &["samples", "1024"]);
+    integrator("sets = 1000", 1, &["sets", "256"]);
+    integrator("method = \"bmc is\"", 1, &["bmc is", "bmc-is"]);
+    integrator("points = \"halton\"", 1, &["halton", "fibonacci"]);
+    integrator("rotate = true", 1, &["rotate", "string"]);
+    integrator("rotate = \"yes\"", 1, &["yes", "random"]);
+    integrator("weights = \"shared\"\nlights = \"both\"", 2, &["both", "sampled"]);
+    integrator("weights = \"per-hit\"\nsets = 4", 2, &["sets", "shared"]);
+    integrator("method = \"mc\"\npdf = \"cosine\"", 2, &["uniform", "-is"]);
+    integrator("pdf = \"uniform\"", 1, &["importance", "cosine"]);
+    integrator("covariance = \"matern\"", 1, &["matern", "sobolev"]);
+    integrator("covariance = \"se\"\nsmoothness = 1.5", 2, &["smoothness", "sobolev"]);
+    integrator("length = 0.5", 1, &["length", "se"]);
+    integrator("covariance = \"se\"\nlength = 0", 2, &["length", "0.01"]);
+    integrator("smoothness = 2", 1, &["smoothness", "1.95"]);
+    integrator("ambient = -1", 1, &["ambient", ">= 0"]);
 }

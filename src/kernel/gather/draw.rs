@@ -2,8 +2,7 @@
 
 use super::Vertex;
 use super::tables::GatherTables;
-use crate::estimate::bmc::Covariance;
-use crate::estimate::bmc::{self, Mean, Measure, Points, Rules, System};
+use crate::estimate::bmc::{self, Covariance, Mean, Points, System};
 use crate::lane::{Bits, MAX_WIDTH, Real, Vec3};
 use crate::sampling::dimensions::BSDF_DIRECTION;
 use crate::sampling::sobol::{self, Key};
@@ -94,14 +93,4 @@ fn numbers<R: Real>(tables: &GatherTables, vertex: &Vertex<R>, first: usize, cou
             [u.min_or(below), (turn - turn.floor()).min_or(below)]
         }
     }
-}
-
-/// Which measure is known.
-pub(super) fn measure(is_cosine: bool) -> Measure {
-    if is_cosine { Measure::COSINE } else { Measure::UNIFORM }
-}
-
-/// The quadratures that embeddings take, and the prior variance of the integral.
-pub(super) fn self_energy(measure: Measure, covariance: Option<Covariance>, rules: &Rules) -> f64 {
-    covariance.map_or(0.0, |k| measure.self_energy(k, rules))
 }

@@ -13,8 +13,10 @@ mod trace;
 
 pub use tables::{GatherReport, GatherTables};
 
+use super::cutout;
 use super::material::AllModels;
 use super::path::{Traversal, light_ray, same_side};
+use super::pattern;
 use super::surface::Surface;
 use super::tile::{CameraQueue, Counters, Job, SampleBuffer, lanes_of};
 use super::view::towards_viewer;
@@ -117,15 +119,11 @@ impl Worker<'_> {
         if !delta && self.world.lights.is_some() && (sampled || self.world.plan.delta_lights) {
             self.add_lights::<R, T>(&vertex, sampled, counters);
         }
-        // What directions would see of lights is already there.
-        let direct = delta || !sampled;
-        if direct || self.world.max_bounces > 1.0 {
-            if vertex.surface.material.gathers().any() {
-                self.turn(&mut vertex);
-                self.gather::<R, T>(&vertex, direct, counters);
-            } else {
-                self.scatter::<R, T>(&vertex, direct, counters);
-            }
+        if !vertex.surface.material.gathers().any() {
+            self.scatter::<R, T>(&vertex, sampled, counters);
+        } else if !sampled || self.world.max_bounces > 1.0 {
+            self.turn(&mut vertex);
+            self.gather::<R, T>(&vertex, sampled, counters);
         }
         self.beams.sum()
     }
@@ -148,11 +146,12 @@ impl Worker<'_> {
     }
 
     /// Weighted directions of a point set about the normal.
-    fn gather<R: Real, T: Traversal>(&mut self, vertex: &Vertex<R>, direct: bool, counters: &mut Counters) {
+    fn gather<R: Real, T: Traversal>(&mut self, vertex: &Vertex<R>, sampled: bool, counters: &mut Counters) {
         let Worker { world, tables, drawn, beams } = self;
         let set = tables.at(vertex, drawn);
         let surface = &vertex.surface;
         let up = R::one().copysign(vertex.wo.z);
+        let direct = R::Mask::splat(!sampled);
         for first in (0..tables.count()).step_by(R::WIDTH) {
             let active = first_lanes::<R>(tables.count() - first);
             let [x, y, z, weight] = set.load::<R>(first);
@@ -160,15 +159,19 @@ impl Worker<'_> {
             let direction = vertex.frame.to_world(wi);
             let keep = active & same_side(wi.z, surface.ng.dot(direction));
             let f_cos = surface.material.eval::<AllModels>(&world.plan, vertex.wo, wi, keep).value;
-            let throughput = f_cos * (weight / tables.density(z));
+            let mut weight = weight / tables.density(z);
+            if world.plan.shading_normals {
+                weight = weight * surface.terminator(direction, wi.z, vertex.wo.z);
+            }
+            let throughput = f_cos * weight;
             let ray = Ray { origin: surface.leave(direction), direction, t_max: R::splat(f32::INFINITY) };
             let carries = keep & throughput.max_component().abs().gt(R::zero());
             beams.add::<R, T>(world, vertex, first, &ray, throughput, carries, direct, counters);
         }
     }
 
-    /// Directions that the material draws: a delta has no others, and glass has some on both sides.
-    fn scatter<R: Real, T: Traversal>(&mut self, vertex: &Vertex<R>, direct: bool, counters: &mut Counters) {
+    /// Directions that the material draws: a delta lobe has no others, and glass has some on both sides.
+    fn scatter<R: Real, T: Traversal>(&mut self, vertex: &Vertex<R>, sampled: bool, counters: &mut Counters) {
         let Worker { world, tables, beams, .. } = self;
         let surface = &vertex.surface;
         let share = R::splat(tables.count() as f32).recip();
@@ -180,7 +183,13 @@ impl Worker<'_> {
             let sample = material.sample::<AllModels>(&world.plan, vertex.wo, u[BSDF_LOBE], u_direction, active);
             let direction = vertex.frame.to_world(sample.wi);
             let keep = active & sample.valid & same_side(sample.wi.z, surface.ng.dot(direction));
+            let mut share = share;
+            if world.plan.shading_normals {
+                let softened = surface.terminator(direction, sample.wi.z, vertex.wo.z);
+                share = share * R::select(sample.delta, R::one(), softened);
+            }
             let throughput = sample.weight * share;
+            let direct = sample.delta | R::Mask::splat(!sampled);
             let ray = Ray { origin: surface.leave(direction), direction, t_max: R::splat(f32::INFINITY) };
             let carries = keep & throughput.max_component().gt(R::zero());
             beams.add::<R, T>(world, vertex, first, &ray, throughput, carries, direct, counters);
@@ -196,19 +205,26 @@ impl Worker<'_> {
             let active = first_lanes::<R>(tables.count() - first);
             let (_, u) = vertex.numbers(first);
             let u_position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
-            let Some(light) = world.sample_light(surface.at.p, u[LIGHT_CHOICE], u_position, active) else { return };
+            let Some(mut light) = world.sample_light(surface.at.p, u[LIGHT_CHOICE], u_position, active) else { return };
+            if world.plan.patterned_lights {
+                pattern::look_up(world, &mut light, u_position, active);
+            }
             let wi = vertex.frame.to_local(light.wi);
             let lit = active & light.pdf.gt(R::zero()) & same_side(wi.z, surface.ng.dot(light.wi));
             let lit = if sampled { lit } else { lit & light.is_delta() };
             let f_cos = surface.material.eval::<AllModels>(&world.plan, vertex.wo, wi, lit).value;
-            let contribution = f_cos.hadamard(light.radiance) * (share / light.pdf);
+            let mut weight = share / light.pdf;
+            if world.plan.shading_normals {
+                weight = weight * surface.terminator(light.wi, wi.z, vertex.wo.z);
+            }
+            let contribution = f_cos.hadamard(light.radiance) * weight;
             let carries = lit & contribution.max_component().gt(R::zero());
             if carries.none() {
                 continue;
             }
             counters.shadow(carries);
-            let occluded = world.occluded::<R, T::Shadow>(&light_ray(surface, &light), carries);
-            beams.put(first, contribution.masked(carries & !occluded));
+            let clear = cutout::visible::<R, T::Shadow, T::Bounce>(world, &light_ray(surface, &light), carries);
+            beams.put(first, (contribution * clear).masked(carries));
         }
     }
 }

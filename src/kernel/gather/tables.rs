@@ -1,6 +1,6 @@
 //! What the gather kernel reads: point sets and weights made once for a picture.
 
-use super::draw::{Directions, measure, self_energy};
+use super::draw::Directions;
 use super::{Vertex, pilot};
 use crate::estimate::bmc::{
     Covariance, Evidence, Mean, Measure, PointSet, Rules, SetRecipe, Verdict, fibonacci, point_sets,
@@ -49,7 +49,7 @@ impl GatherTables {
     pub fn new(world: &World) -> Self {
         let start = Instant::now();
         let settings = world.integrator.gather;
-        let measure = measure(settings.pdf != GatherPdf::Uniform);
+        let measure = if settings.pdf == GatherPdf::Uniform { Measure::UNIFORM } else { Measure::COSINE };
         let rules = Rules::new();
         let (covariance, evidence) = match settings.covariance {
             _ if !settings.method.is_bayesian() => (None, Vec::new()),
@@ -94,7 +94,7 @@ impl GatherTables {
             settings,
             measure,
             covariance,
-            self_energy: self_energy(measure, covariance, &rules),
+            self_energy: covariance.map_or(0.0, |k| measure.self_energy(k, &rules)),
             rules,
             lattice: lattice.iter().map(|[_, turn]| *turn as f32).collect(),
             sets: sets.iter().map(Directions::from_set).collect(),

@@ -1,7 +1,8 @@
 //! What arrives along the rays of a hit.
 
 use super::Vertex;
-use crate::geometry::{Hit, MISS, Ray};
+use crate::geometry::{MISS, Ray};
+use crate::kernel::cutout;
 use crate::kernel::material::AllModels;
 use crate::kernel::path::{Paths, Traversal, bounce};
 use crate::kernel::probe::NoProbe;
@@ -49,8 +50,8 @@ impl Beams {
         sums.map(|sum| sum as f32)
     }
 
-    /// Adds throughput · light for the lanes that carry something. `direct`: light of lights counts too, not that of
-    /// surfaces alone.
+    /// Adds throughput · light for the lanes that carry something. Lights that rays meet count in `direct` lanes: the
+    /// others have light samples.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     pub fn add<R: Real, T: Traversal>(
@@ -61,17 +62,19 @@ impl Beams {
         ray: &Ray<R>,
         throughput: Vec3<R>,
         carries: R::Mask,
-        direct: bool,
+        direct: R::Mask,
         counters: &mut Counters,
     ) {
+        let goes_on = world.max_bounces > 1.0;
+        let carries = if goes_on { carries } else { carries & direct };
         if carries.none() {
             return;
         }
         counters.packet(carries, R::one());
-        let arriving = if world.max_bounces > 1.0 {
+        let arriving = if goes_on {
             self.continued::<R, T>(world, vertex, first, ray, carries, direct, counters)
         } else {
-            seen::<R, T>(world, ray, carries)
+            seen::<R, T>(world, vertex, first, ray, carries)
         };
         self.put(first, throughput.hadamard(arriving).masked(carries));
     }
@@ -86,7 +89,7 @@ impl Beams {
         first: usize,
         ray: &Ray<R>,
         carries: R::Mask,
-        direct: bool,
+        direct: R::Mask,
         counters: &mut Counters,
     ) -> Vec3<R> {
         let out = &mut self.paths;
@@ -95,39 +98,44 @@ impl Beams {
         paths.ray = *ray;
         paths.beta = Vec3::all(R::one());
         paths.rng = vertex.numbers(first).0;
-        paths.bsdf_pdf = R::splat(if direct { f32::INFINITY } else { LEFT_TO_LIGHT_SAMPLES });
+        paths.bsdf_pdf = R::select(direct, R::splat(f32::INFINITY), R::splat(LEFT_TO_LIGHT_SAMPLES));
         paths.bounce = R::one();
         paths.slot = R::Bits::from_fn(|lane| lane as u32);
         paths.alive = carries;
-        paths.hit = closest_from_one_origin::<R, T>(world, &paths.ray, carries);
+        paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, carries);
         loop {
             bounce::<R, T, AllModels, NoProbe>(world, &mut paths, out, counters, &mut NoProbe);
             if paths.alive.none() {
                 return Vec3::from_fn(|lane| out.rgb[lane]);
             }
             counters.packet(paths.alive, paths.bounce);
-            paths.hit = world.closest::<R, T::Bounce>(&paths.ray, paths.alive);
+            paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.alive);
         }
     }
 }
 
-#[inline(always)]
-fn closest_from_one_origin<R: Real, T: Traversal>(world: &World, ray: &Ray<R>, active: R::Mask) -> Hit<R> {
-    world.closest::<R, T::Bounce>(ray, active)
-}
-
 /// The lights that rays meet.
 #[inline(always)]
-fn seen<R: Real, T: Traversal>(world: &World, ray: &Ray<R>, active: R::Mask) -> Vec3<R> {
+fn seen<R: Real, T: Traversal>(
+    world: &World,
+    vertex: &Vertex<R>,
+    first: usize,
+    ray: &Ray<R>,
+    active: R::Mask,
+) -> Vec3<R> {
     if !world.plan.area_lights {
         // Whatever stands in the way is dark.
         if !world.plan.environment {
             return Vec3::zero();
         }
-        let occluded = world.occluded::<R, T::Shadow>(ray, active);
-        return world.background(ray.direction, active & !occluded);
+        let clear = cutout::visible::<R, T::Shadow, T::Bounce>(world, ray, active);
+        return world.background(ray.direction, clear.gt(R::zero())) * clear;
     }
-    let hit = closest_from_one_origin::<R, T>(world, ray, active);
+    let hit = if world.plan.cutouts {
+        cutout::closest::<R, T::Bounce>(world, ray, &vertex.numbers(first).0, active)
+    } else {
+        world.closest::<R, T::Bounce>(ray, active)
+    };
     let missed = hit.primitive.eq(R::Bits::splat(MISS)) & active;
     let found = active & !missed;
     // Only what can be sampled emits: the rest has no area.

@@ -1,0 +1,63 @@
+//! The gather and Phong integrators.
+
+mod agreement;
+mod claims;
+mod exact;
+mod phong;
+mod ranking;
+
+use crate::renders::Set;
+use octolux::estimate::bmc::Points;
+use octolux::scene::{
+    Bsdf, Environment, EnvironmentImage, Gather, GatherLights, GatherMethod, GatherPdf, GatherWeights, IntegratorKind,
+    Scene,
+};
+
+/// The settings of a method with its own pdf.
+pub fn gather(method: GatherMethod) -> Gather {
+    let pdf = if method.is_importance() { GatherPdf::Cosine } else { GatherPdf::Uniform };
+    Gather { method, pdf, ..Gather::default() }
+}
+
+/// The same scene, gathered.
+pub fn gathered(scene: &Scene, gather: Gather) -> Scene {
+    let mut scene = scene.clone();
+    scene.integrator.kind = IntegratorKind::Gather;
+    scene.integrator.gather = gather;
+    scene
+}
+
+/// A sky without edges, brighter on one side.
+pub fn smooth_sky() -> Environment {
+    let (width, height) = (32, 16);
+    let texel = |i: usize| {
+        let (x, y) = ((i % width) as f32, (i / width) as f32);
+        let side = 0.5 + 0.5 * (std::f32::consts::TAU * x / width as f32).cos();
+        [0.3 + 0.6 * side, 0.5, 1.2 - 0.07 * y]
+    };
+    Environment::Image(EnvironmentImage {
+        width,
+        height,
+        texels: (0..width * height).map(texel).collect(),
+        rotation: 0.0,
+    })
+}
+
+/// A Lambert sphere on a Lambert plane under a sky, and a lamp if wanted.
+pub fn sphere_scene(side: u32, lamp: bool) -> Set {
+    let mut set = Set::new([0.0, 1.6, 5.0], [0.0, 0.75, 0.0], 36.0, side).bounces(1).environment(smooth_sky());
+    let ground = set.grey(0.5, 0.0);
+    let plaster = set.material(Bsdf::Diffuse { reflectance: [0.75, 0.55, 0.4] }, [0.0; 3]);
+    set.quad(ground, [[-6.0, 0.0, 6.0], [6.0, 0.0, 6.0], [6.0, 0.0, -6.0], [-6.0, 0.0, -6.0]]);
+    set.sphere(plaster, [0.0, 1.0, 0.0], 1.0);
+    if lamp {
+        let light = set.material(Bsdf::Diffuse { reflectance: [0.2; 3] }, [2.0, 3.0, 4.0]);
+        set.quad(light, [[-1.0, 3.0, -1.0], [1.0, 3.0, -1.0], [1.0, 3.0, 1.0], [-1.0, 3.0, 1.0]]);
+    }
+    set
+}
+
+/// All that shares nothing between hits, and so is unbiased sample by sample.
+pub fn fresh(method: GatherMethod, points: Points, lights: GatherLights, samples: u32) -> Gather {
+    Gather { samples, points, lights, weights: GatherWeights::PerHit, rotate: false, ..gather(method) }
+}
