@@ -71,7 +71,11 @@ pub fn visible<R: Real, S: Mode, B: Mode>(world: &World, ray: &Ray<R>, active: R
     let occluded = world.occluded::<R, S>(ray, active);
     let clear = R::one().masked(active & !occluded);
     let hidden = active & occluded;
-    if world.plan.cutouts && hidden.any() { clear + transmittance::<R, B>(world, ray, hidden).masked(hidden) } else { clear }
+    if world.plan.cutouts && hidden.any() {
+        clear + transmittance::<R, B>(world, ray, hidden).masked(hidden)
+    } else {
+        clear
+    }
 }
 
 /// The share of light that reaches the end of each shadow ray of `active`, in all of which something is in the way.

@@ -30,7 +30,7 @@ pub fn all() -> Vec<(&'static str, Scene)> {
         ("gather, images", with_gather(images(), 1, per_hit(Points::Fibonacci, GatherMethod::BmcIs))),
         ("gather, smooth normals", with_gather(crumpled_ball(true), 2, Gather { samples: 17, ..Gather::default() })),
         ("phong", phong(stage_lights(true))),
-        ("phong, images", phong(lit(Set::of(images())).finish())),
+        ("phong, images", phong(images())),
         ("black", Set::new([0.0, 0.0, 3.0], [0.0; 3], 40.0, SIDE).finish()),
     ]
 }
@@ -50,6 +50,7 @@ fn sampled(points: Points) -> Gather {
 }
 
 fn phong(mut scene: Scene) -> Scene {
+    scene.delta_lights.push(DeltaLight::Point { position: [0.5, 3.0, 2.0], intensity: [2.0, 3.0, 4.0] });
     scene.integrator = Integrator { kind: IntegratorKind::Phong, ambient: [0.1, 0.2, 0.3], ..Integrator::default() };
     scene
 }

@@ -47,9 +47,13 @@ fn unknown_keys() {
     refuses_after_camera("[film]\nwidth = 3\nheigth = 4\n", 3, &["heigth", "height"]);
     refuses_after_camera("[environment]\nradiance = 1\nrotated = 5\n", 3, &["rotated", "rotation"]);
     refuses_after_camera("[[pointlight]]\nposition = [0, 0, 0]\n", 1, &["pointlight", "point_light"]);
-    refuses_after_camera("[integrator]
+    refuses_after_camera(
+        "[integrator]
 ambience = [1, 1, 1]
-", 2, &["ambience", "ambient"]);
+",
+        2,
+        &["ambience", "ambient"],
+    );
     refuses_after_camera(
         "[materials.a]
 type = \"diffuse\"
