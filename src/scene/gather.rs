@@ -80,8 +80,6 @@ pub enum GatherPdf {
     Uniform,
     /// ∝ cosθ.
     Cosine,
-    /// Phong surfaces in two parts: the base ∝ cosθ, the lobe ∝ cosⁿα about the mirror direction. Others as `Cosine`.
-    Lobe,
 }
 
 /// Where the covariance comes from.
