@@ -19,11 +19,14 @@ use crate::sampling::Frame;
 pub fn shade<R: Real, T: Traversal>(
     world: &World,
     ray: &Ray<R>,
-    surface: &Surface<R>,
+    surface: &mut Surface<R>,
     found: R::Mask,
     counters: &mut Counters,
 ) -> Vec3<R> {
     let outward = -ray.direction;
+    if world.plan.shading_normals {
+        surface.face(outward);
+    }
     let frame = Frame::from_normal(surface.ns);
     let wo = frame.to_local(outward);
     let ambient = surface.material.albedo().hadamard(Vec3::splat(world.integrator.ambient));

@@ -31,11 +31,11 @@ pub fn render<R: Real, T: Traversal, P: Probe>(
         let lanes = Lanes { slot: packet.slot, bounce: R::zero(), active: packet.active };
         super::path::tap_hit(probe, lanes, &mut packet.hit);
         let found = packet.active & !packet.hit.primitive.eq(R::Bits::splat(MISS));
-        let surface = Surface::at(world, &packet.ray, &packet.hit, found);
+        let mut surface = Surface::at(world, &packet.ray, &packet.hit, found);
         let normal = towards_viewer(surface.ns, packet.ray.direction);
         let distance = packet.hit.t * R::splat(world.unit);
         if world.integrator.kind == IntegratorKind::Phong {
-            let value = super::phong::shade::<R, T>(world, &packet.ray, &surface, found, counters);
+            let value = super::phong::shade::<R, T>(world, &packet.ray, &mut surface, found, counters);
             let value = probe.tap_rgb(Stage::Radiance, lanes, value);
             out.write(packet.slot, value, packet.active);
         } else {

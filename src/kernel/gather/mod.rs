@@ -68,7 +68,7 @@ pub fn render<R: Real, T: Traversal>(world: &World, job: &Job, out: &mut SampleB
         counters.packet(packet.active, R::zero());
         let missed = packet.hit.primitive.eq(R::Bits::splat(MISS)) & packet.active;
         let found = packet.active & !missed;
-        let surface = Surface::at(world, &packet.ray, &packet.hit, found);
+        let mut surface = Surface::at(world, &packet.ray, &packet.hit, found);
         let mut radiance =
             world.background(packet.ray.direction, missed) + surface.emitted(packet.ray.direction, found);
         if out.features.is_some() {
@@ -77,8 +77,11 @@ pub fn render<R: Real, T: Traversal>(world: &World, job: &Job, out: &mut SampleB
             out.write_features(packet.slot, surface.material.albedo(), normal, distance, found);
         }
         let u = packet.rng.bounce_dims();
-        let frame = Frame::from_normal(surface.ns);
         let outward = -packet.ray.direction;
+        if world.plan.shading_normals {
+            surface.face(outward);
+        }
+        let frame = Frame::from_normal(surface.ns);
         let wo = frame.to_local(outward);
         let scatters = found & same_side(wo.z, surface.ng.dot(outward));
         let scatters = if world.max_bounces > 0.0 { scatters } else { R::Mask::splat(false) };
