@@ -121,7 +121,7 @@ fn print_difference(d: &Difference, report: &Report, args: &SceneArgs) {
     );
     let size = args.size.map_or(String::new(), |s| format!(" --size {}x{}", s.width, s.height));
     println!(
-        "  replay: octolux replay {} --pixel {},{} --sample {} --seed {}{size}",
+        "  replay: octolux replay {} --bits --pixel {},{} --sample {} --seed {}{size}",
         report.scene, d.x, d.y, d.sample, args.seed
     );
 }

@@ -6,10 +6,13 @@ mod check_numerics;
 mod converge;
 mod error;
 mod estimate;
+mod info;
 mod keeper;
+mod ladder;
 mod merge;
 mod render;
 mod replay;
+mod replay_text;
 mod scene_args;
 mod state_args;
 mod targets;
@@ -17,7 +20,7 @@ mod variants;
 
 pub use error::CliError;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// A CPU Monte Carlo renderer kernel: 8-wide ray packets, BRDF·cos/pdf in SoA lanes, the same bits at any width.
@@ -39,7 +42,9 @@ enum Command {
     /// Prove on a scene that lane width, threads, tiles and specialisation leave no trace in the bits; or with
     /// --numerics hold this build on this CPU to the catalogue of extreme cases
     Check(check::CheckArgs),
-    /// Print one path: every value computed for a pixel's sample
+    /// Say what a scene holds: primitives, materials, lights, bounds, memory, plan
+    Info(info::InfoArgs),
+    /// Print one path: every vertex of a pixel's sample, what it met and what it added
     Replay(replay::ReplayArgs),
     /// Measure error against samples and run time, and write the report of it
     Converge(converge::ConvergeArgs),
@@ -47,6 +52,11 @@ enum Command {
     Bench(bench::BenchArgs),
     /// Study estimators on problems with known answers: error against samples and run time
     Estimate(estimate::EstimateArgs),
+    /// Print a completion script: `octolux completions bash > ~/.local/share/bash-completion/completions/octolux`
+    Completions {
+        /// bash, zsh, fish, elvish or powershell
+        shell: clap_complete::Shell,
+    },
 }
 
 /// Runs the command of this process's arguments.
@@ -60,6 +70,11 @@ pub fn run() -> ExitCode {
         Command::Merge(args) => merge::run(&args),
         Command::Compare(args) => crate::report::compare_command(&args).map_err(CliError::from),
         Command::Check(args) => check::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Completions { shell } => {
+            clap_complete::generate(shell, &mut Cli::command(), "octolux", &mut std::io::stdout());
+            Ok(true)
+        }
         Command::Replay(args) => replay::run(&args),
         Command::Converge(args) => converge::run(&args),
         Command::Bench(args) => bench::run(&args),

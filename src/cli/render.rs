@@ -2,12 +2,13 @@
 
 use super::CliError;
 use super::keeper::Keeper;
+use super::ladder::LadderArgs;
 use super::scene_args::{MachineArgs, SceneArgs};
 use super::state_args::StateArgs;
 use super::targets::{ImageArgs, check_folders, default_exr, write_json};
 use crate::kernel::World;
 use crate::plan::Force;
-use crate::render::{self, Budget, Options, Progress, Summary, Times, interrupt};
+use crate::render::{self, Budget, Options, Phase, Progress, Summary, Times, interrupt};
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -28,6 +29,8 @@ pub struct RenderArgs {
     images: ImageArgs,
     #[command(flatten)]
     state: StateArgs,
+    #[command(flatten)]
+    ladder: LadderArgs,
     /// Report as JSON; `-` writes it to standard output
     #[arg(long, value_name = "FILE|-")]
     json: Option<PathBuf>,
@@ -66,7 +69,17 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
 /// belongs here, or a variant would not have it.
 impl RenderArgs {
     pub(super) fn world(&self) -> Result<(Scene, World, Times), CliError> {
-        self.scene.world(Force { general: self.general, geometry: None }, self.aovs)
+        let force = Force { general: self.general, geometry: None };
+        let timed = |start: Instant| start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let phase = Phase::begin("reading the scene", self.quiet);
+        let scene = self.scene.load()?;
+        let load = timed(start);
+        drop(phase);
+        let start = Instant::now();
+        let _phase = Phase::begin("building the tree and tables", self.quiet);
+        let world = self.scene.prepare(&scene, force, self.aovs)?;
+        Ok((scene, world, Times { load, setup: timed(start), pilot: 0.0 }))
     }
 
     pub(super) fn options(&self, world: &World, budget: Budget, output_seconds: f64) -> Options {
@@ -82,25 +95,32 @@ impl RenderArgs {
 pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     interrupt::listen();
     let images = images(args)?;
-    let (scene, mut world, mut times) = args.world()?;
+    let threads = args.threads();
+    let pool = render::thread_pool(threads)?;
+    // Building the tree takes the pool's threads, too.
+    let (scene, mut world, mut times) = pool.install(|| args.world())?;
     if !args.quiet {
         scene.assumptions.iter().for_each(|line| eprintln!("assumed: {line}"));
     }
     if args.explain {
         eprint!("{}", world.plan.explain());
     }
-    let threads = args.threads();
-    let pool = render::thread_pool(threads)?;
     let pixels = f64::from(world.film.width) * f64::from(world.film.height);
     let mut options = args.options(&world, budget(args)?, images.guessed_seconds(pixels, args.aovs));
+    args.ladder.check(&world)?;
     let (head, film) = args.state.begin(&scene, &world, &options)?;
     if args.unbiased {
         times.pilot = choose_samples(&mut world, &mut options, &pool);
     }
     let mut progress = if args.quiet { Progress::quiet() } else { Progress::new(options.budget) };
     let held = film.samples();
-    let mut keeper = Keeper::new(&images, args.state.file(), args.state.save_every(), &pool, head);
-    let outcome = render::render_on(film, &world, &options, &pool, &mut progress, &mut keeper);
+    // A ladder's PNG is its sheet.
+    let kept = ImageArgs { png: images.png.clone().filter(|_| !args.ladder.is_asked_for()), ..images.clone() };
+    let mut keeper = Keeper::new(&kept, args.state.file(), args.state.save_every(), &pool, head);
+    let outcome = match args.ladder.is_asked_for() {
+        true => args.ladder.run(&world, &options, &pool, &mut progress, &images)?,
+        false => render::render_on(film, &world, &options, &pool, &mut progress, &mut keeper),
+    };
     progress.finish();
     let mut summary = Summary::new(&scene.name, &world, &options, threads, &outcome, times);
     summary.resumed_samples = held;

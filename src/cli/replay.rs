@@ -1,6 +1,7 @@
-//! `octolux replay`: one sample of one pixel, computed again at width 1 and printed value by value.
+//! `octolux replay`: one sample of one pixel, computed again at width 1 and printed: as a path, or bit by bit.
 
 use super::CliError;
+use super::replay_text::describe;
 use super::scene_args::SceneArgs;
 use crate::check::record_tile;
 use crate::kernel::{Job, Record, Stage, Width};
@@ -19,6 +20,9 @@ pub struct ReplayArgs {
     /// Lanes that compute it: 1, 8 or 16
     #[arg(long, default_value = "1", value_parser = super::scene_args::parse_lanes)]
     lanes: Width,
+    /// Print every value with its bit pattern instead: what `check` compares
+    #[arg(long)]
+    bits: bool,
 }
 
 fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
@@ -28,7 +32,7 @@ fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
 }
 
 pub fn run(args: &ReplayArgs) -> Result<bool, CliError> {
-    let (_, world, _) = args.scene.world(Force::default(), false)?;
+    let (scene, world, _) = args.scene.world(Force::default(), false)?;
     let (x, y) = args.pixel;
     let film = world.film;
     if x >= film.width || y >= film.height {
@@ -41,6 +45,10 @@ pub fn run(args: &ReplayArgs) -> Result<bool, CliError> {
     let recorder = record_tile(&world, &job, args.lanes, None);
     println!("pixel {x},{y} sample {} seed {} of {}", args.sample, world.seed, args.scene.scene.display());
     let records = recorder.records.first().map_or(&[][..], Vec::as_slice);
+    if !args.bits {
+        print!("{}", describe(records, &scene, world.unit));
+        return Ok(true);
+    }
     for vertex in records.chunk_by(|a, b| a.bounce == b.bounce) {
         println!("vertex {}", vertex[0].bounce);
         for stage in vertex.chunk_by(|a, b| a.stage == b.stage) {

@@ -2,7 +2,7 @@
 
 use super::CliError;
 use crate::film::{self, Attribute, Film, VarianceValidity};
-use crate::render::{StoppedBy, Summary};
+use crate::render::StoppedBy;
 use std::path::{Path, PathBuf};
 
 /// What a file system takes into its cache.
@@ -86,10 +86,10 @@ impl ImageArgs {
 }
 
 /// Writes a report to a file or, for `-`, to standard output.
-pub fn write_json(summary: &Summary, path: Option<&Path>) -> Result<(), CliError> {
+pub fn write_json(report: &impl serde::Serialize, path: Option<&Path>) -> Result<(), CliError> {
     let Some(path) = path else { return Ok(()) };
     // Numbers, strings and lists: nothing that JSON cannot hold.
-    let text = serde_json::to_string_pretty(summary).map_err(|e| CliError::Usage(e.to_string()))? + "\n";
+    let text = serde_json::to_string_pretty(report).map_err(|e| CliError::Usage(e.to_string()))? + "\n";
     if path == Path::new("-") {
         print!("{text}");
         return Ok(());

@@ -9,8 +9,8 @@ use clap::{CommandFactory, FromArgMatches, Parser, parser::ValueSource};
 use std::path::Path;
 
 /// Flags of `render` that a study sets itself.
-const NOT_A_VARIANTS: [&str; 10] =
-    ["output", "png", "json", "spp", "time", "error", "seed", "state", "resume", "samples"];
+const NOT_A_VARIANTS: [&str; 11] =
+    ["output", "png", "json", "spp", "time", "error", "seed", "state", "resume", "samples", "ladder"];
 
 /// A variant's name, its flags as given, and what `render` makes of them.
 pub struct VariantArgs {

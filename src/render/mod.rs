@@ -2,11 +2,13 @@
 
 pub mod budget;
 pub mod interrupt;
+mod phase;
 mod progress;
 pub mod state;
 mod summary;
 
 pub use budget::{Budget, StoppedBy};
+pub use phase::Phase;
 pub use progress::Progress;
 pub use state::{State, StateError};
 pub use summary::{Summary, Times};

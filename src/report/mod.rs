@@ -3,9 +3,11 @@
 pub mod bench;
 pub mod bench_rays;
 pub mod compare;
+pub mod contact_sheet;
 pub mod converge;
 pub mod diff;
 pub mod fit;
+pub mod font;
 pub mod metrics;
 pub mod page;
 pub mod plot;

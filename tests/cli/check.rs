@@ -33,9 +33,11 @@ fn an_injected_fault_is_found_at_every_stage_that_the_scene_has() {
 #[test]
 fn replay_prints_the_path_that_check_names() {
     let scratch = Scratch::new();
-    let one = text(&scratch.run(&["replay", "scene.toml", "--pixel", "12,9", "--sample", "1"]).stdout);
-    let eight =
-        text(&scratch.run(&["replay", "scene.toml", "--pixel", "12,9", "--sample", "1", "--lanes", "8"]).stdout);
+    let replay = |more: &[&str]| {
+        let arguments = [&["replay", "scene.toml", "--pixel", "12,9", "--sample", "1", "--bits"], more].concat();
+        text(&scratch.run(&arguments).stdout)
+    };
+    let (one, eight) = (replay(&[]), replay(&["--lanes", "8"]));
     assert_eq!(one, eight);
     for word in ["vertex 0", "hit-t", "random", "radiance"] {
         assert!(one.contains(word), "{one}");

@@ -4,7 +4,10 @@ mod budgets;
 mod check;
 mod converge;
 mod errors;
+mod info;
+mod ladder;
 mod render;
+mod replay;
 mod state;
 
 use std::path::{Path, PathBuf};
