@@ -44,7 +44,7 @@ fn tiles_are_the_renders_and_labels_say_their_error() {
     };
     assert_eq!((label(0, 0), label(1, 0), label(0, 1)), ("1 spp".into(), "4 spp".into(), "64 spp".into()));
     // The last rung's image is the EXR, and its label the error that `compare` finds.
-    let json = scratch.run(&["compare", "last.exr", "ref.exr", "--json"]);
+    let json = scratch.run(&["compare", "last.exr", "ref.exr", "--json", "-"]);
     let compared: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
     let relmse = compared["relmse"].as_f64().unwrap();
     let said = read_label(&sheet, 8, 8 + pitch.1 + 80 + 3 + font::ADVANCE.1);
