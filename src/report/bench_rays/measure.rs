@@ -6,6 +6,7 @@ use crate::accel::{Accel, Brute, Mode, Packet, Shadow, Single, Stream};
 use crate::geometry::{MISS, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3, f32x8, f32x16};
 use crate::process::{allowed_cores, pin_to_core, thread_cpu_seconds};
+use std::panic::resume_unwind;
 use std::sync::{Barrier, Mutex};
 use std::time::Instant;
 
@@ -107,7 +108,9 @@ fn run(accel: &Accel, rays: &RaySet, pass: Pass, threads: usize, out: &mut Outpu
             })
             .collect();
         ready.wait();
-        let done: Vec<_> = workers.into_iter().filter_map(|worker| worker.join().ok()).collect();
+        // A worker that fell must not pass for one that was fast.
+        let join = |worker: std::thread::ScopedJoinHandle<'_, _>| worker.join().unwrap_or_else(|e| resume_unwind(e));
+        let done: Vec<_> = workers.into_iter().map(join).collect();
         // By the workers' own clocks: on a busy machine this thread may wake after they have finished.
         let start = done.iter().map(|d| d.0).min();
         let end = done.iter().map(|d| d.1).max();
