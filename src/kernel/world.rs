@@ -9,6 +9,7 @@ use crate::geometry::{Hit, Ray, Rows, SphereAt, SphereRows, TriangleRows};
 use crate::lane::{Bits, Real, Vec3, float_mode};
 use crate::light::{Emitter, EmitterShape, Extent, LightError, LightSample, Lights};
 use crate::plan::{GeometryMode, Plan};
+use crate::sampling::SamplerKind;
 use crate::scene::{DeltaLight, FilmSize, Integrator, NO_NORMAL, NO_TEXCOORD, Scene};
 use std::time::Instant;
 
@@ -21,6 +22,7 @@ pub struct World {
     /// Scattering events allowed on a path (the integrator's, with `direct` limited to 1).
     pub max_bounces: f32,
     pub seed: u64,
+    pub sampler: SamplerKind,
     pub accel: Accel,
     /// Vertex 0, edges, geometric normal of each triangle.
     pub triangles: TriangleRows,
@@ -56,6 +58,7 @@ pub struct Setup {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Prepare {
     pub seed: u64,
+    pub sampler: SamplerKind,
     pub build: Preset,
 }
 
@@ -104,6 +107,7 @@ impl World {
             integrator: scene.integrator,
             max_bounces: max_bounces(&scene.integrator),
             seed: options.seed,
+            sampler: options.sampler,
             accel,
             triangles,
             tags,
