@@ -88,13 +88,13 @@ pub fn render<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     loop {
         if T::PRETRACED {
             if paths.alive.any() {
-                paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.alive);
+                paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.bounce, paths.alive);
             }
             queue.refill::<T>(&mut paths);
         } else {
             queue.refill::<T>(&mut paths);
             if paths.alive.any() {
-                paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.alive);
+                paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.bounce, paths.alive);
             }
         }
         if paths.alive.none() {

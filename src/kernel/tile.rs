@@ -206,7 +206,11 @@ impl<'a, R: Real> CameraQueue<'a, R> {
         let (x, y) = (x + u[PIXEL], y + u[PIXEL + 1]);
         let camera = &self.world.camera;
         let ray = if lens { camera.lens_ray(x, y, [u[LENS], u[LENS + 1]]) } else { camera.ray(x, y) };
-        let hit = if trace { cutout::closest::<R, M>(self.world, &ray, &rng, active) } else { Hit::miss(ray.t_max) };
+        let hit = if trace {
+            cutout::closest::<R, M>(self.world, &ray, &rng, R::zero(), active)
+        } else {
+            Hit::miss(ray.t_max)
+        };
         Some(CameraPacket { ray, hit, rng, slot, active, lens })
     }
 }

@@ -34,8 +34,9 @@ impl SamplerKind {
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler<R: Real>(Xoshiro<R>);
 
-/// Sets of dimensions a bounce has: direction, light position, light and lobe, and what has no structure.
+/// Sets of dimensions a bounce has: direction, light position, light and lobe, roulette, opacity.
 const SETS: u32 = 5;
+const OPACITY_SET: u32 = 4;
 /// Of the camera: pixel and lens.
 const CAMERA_SETS: u32 = 2;
 
@@ -87,16 +88,30 @@ impl<R: Real> Sampler<R> {
         }
     }
 
+    /// The number of `bounce` that decides on cut-outs, looked up before the others are drawn.
+    #[inline(always)]
+    pub fn opacity(&self, kind: SamplerKind, bounce: R) -> R {
+        match kind {
+            SamplerKind::Independent => { self.0 }.bounce_dims()[OPACITY],
+            SamplerKind::Sobol => self.hashed(Self::set(bounce, OPACITY_SET)),
+        }
+    }
+
+    /// The number of a set of `bounce`.
+    #[inline(always)]
+    fn set(bounce: R, k: u32) -> R::Bits {
+        bounce.to_int() * R::Bits::splat(SETS) + R::Bits::splat(CAMERA_SETS + k)
+    }
+
     #[inline(never)]
     fn sobol_bounce(&self, bounce: R) -> [R; BOUNCE] {
-        let first = bounce.to_int() * R::Bits::splat(SETS) + R::Bits::splat(CAMERA_SETS);
-        let set = |k: u32| first + R::Bits::splat(k);
+        let set = |k: u32| Self::set(bounce, k);
         let mut u = [R::zero(); BOUNCE];
         [u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]] = self.pair(set(0));
         [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]] = self.pair(set(1));
         [u[LIGHT_CHOICE], u[BSDF_LOBE]] = self.pair(set(2));
         u[ROULETTE] = self.hashed(set(3));
-        u[OPACITY] = self.hashed(set(4));
+        u[OPACITY] = self.hashed(set(OPACITY_SET));
         u
     }
 
