@@ -121,7 +121,12 @@ fn print_difference(d: &Difference, report: &Report, args: &SceneArgs) {
     );
     let size = args.size.map_or(String::new(), |s| format!(" --size {}x{}", s.width, s.height));
     println!(
-        "  replay: octolux replay {} --bits --pixel {},{} --sample {} --seed {}{size}",
-        report.scene, d.x, d.y, d.sample, args.seed
+        "  replay: octolux replay {} --bits --pixel {},{} --sample {} --seed {} --sampler {}{size}",
+        report.scene,
+        d.x,
+        d.y,
+        d.sample,
+        args.seed,
+        args.sampler.name()
     );
 }

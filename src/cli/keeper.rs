@@ -53,6 +53,7 @@ impl<'a> Keeper<'a> {
             scene: head.scene,
             render_seconds: head.render_seconds,
             seed: head.origin.seed,
+            sampler: head.origin.sampler,
             stopped_by: head.stopped_by,
         };
         self.pool.install(|| self.images.write(film, &facts))?;

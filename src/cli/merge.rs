@@ -49,6 +49,7 @@ fn write(args: &MergeArgs, whole: &State) -> Result<(), CliError> {
         scene: head.scene.clone(),
         render_seconds: head.render_seconds,
         seed: head.origin.seed,
+        sampler: head.origin.sampler,
         stopped_by: head.stopped_by,
     };
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get());

@@ -5,6 +5,7 @@ use crate::accel::Preset;
 use crate::kernel::{Prepare, Width, World};
 use crate::plan::{Force, Plan};
 use crate::render::{self, Times};
+use crate::sampling::SamplerKind;
 use crate::scene::{FilmSize, Scene};
 use std::path::PathBuf;
 use std::time::Instant;
@@ -19,6 +20,9 @@ pub struct SceneArgs {
     /// Seed of every random number
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
+    /// How the samples of a pixel relate: even (scrambled Sobol' points) or independent
+    #[arg(long, value_enum, default_value_t = SamplerKind::Sobol)]
+    pub sampler: SamplerKind,
     /// Tree quality
     #[arg(long, value_enum, default_value_t = Preset::Medium)]
     pub build: Preset,
@@ -70,7 +74,7 @@ impl SceneArgs {
     }
 
     pub fn prepare(&self, scene: &Scene, force: Force, albedo: bool) -> Result<World, CliError> {
-        let options = Prepare { seed: self.seed, build: self.build };
+        let options = Prepare { seed: self.seed, sampler: self.sampler, build: self.build };
         Ok(World::new(scene, Plan::new(scene, force, albedo), options)?)
     }
 }

@@ -76,6 +76,7 @@ impl StateArgs {
             // Hashing a large scene takes a moment that only a state is worth.
             fingerprint: self.file().map_or(String::new(), |_| format!("{:016x}", scene.fingerprint())),
             seed: world.seed,
+            sampler: world.sampler,
             width: world.film.width,
             height: world.film.height,
             aovs: options.aovs,

@@ -3,6 +3,7 @@
 use super::CliError;
 use crate::film::{self, Attribute, Film, VarianceValidity};
 use crate::render::StoppedBy;
+use crate::sampling::SamplerKind;
 use std::path::{Path, PathBuf};
 
 /// What a file system takes into its cache.
@@ -27,6 +28,7 @@ pub struct Facts {
     pub scene: String,
     pub render_seconds: f64,
     pub seed: u64,
+    pub sampler: SamplerKind,
     pub stopped_by: StoppedBy,
 }
 
@@ -76,7 +78,7 @@ impl ImageArgs {
     /// Works in the current rayon pool.
     pub fn write(&self, film: &Film, facts: &Facts) -> Result<(), CliError> {
         if let Some(path) = &self.output {
-            film::write_exr(film, path, &attributes(film, facts), validity(facts.stopped_by))?;
+            film::write_exr(film, path, &attributes(film, facts), validity(facts))?;
         }
         if let Some(path) = &self.png {
             film::write_png(film, path, self.exposure)?;
@@ -98,10 +100,11 @@ pub fn write_json(report: &impl serde::Serialize, path: Option<&Path>) -> Result
     Ok(())
 }
 
-fn validity(stopped_by: StoppedBy) -> VarianceValidity {
-    match stopped_by {
-        StoppedBy::Error => VarianceValidity::Stopped,
-        _ => VarianceValidity::Independent,
+fn validity(facts: &Facts) -> VarianceValidity {
+    match (facts.stopped_by, facts.sampler) {
+        (StoppedBy::Error, _) => VarianceValidity::Stopped,
+        (_, SamplerKind::Sobol) => VarianceValidity::Correlated,
+        (_, SamplerKind::Independent) => VarianceValidity::Independent,
     }
 }
 
@@ -113,6 +116,7 @@ fn attributes(film: &Film, facts: &Facts) -> Vec<(String, Attribute)> {
         ("octolux.samples", Attribute::Integer(film.samples())),
         ("octolux.render_seconds", Attribute::Float(facts.render_seconds as f32)),
         ("octolux.seed", Attribute::Integer(facts.seed)),
+        ("octolux.sampler", text(facts.sampler.name())),
         ("octolux.stopped_by", text(&format!("{:?}", facts.stopped_by).to_lowercase())),
         ("octolux.claim", text(facts.stopped_by.claim())),
         ("octolux.discarded_samples", Attribute::Integer(film.discarded().count)),

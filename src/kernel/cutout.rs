@@ -17,21 +17,27 @@ use super::world::World;
 use crate::accel::Mode;
 use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin, sphere_point, triangle_point};
 use crate::lane::{Bits, Mask, Real, Vec3};
-use crate::sampling::{Xoshiro, dimensions, mix3, to_unit};
+use crate::sampling::{Sampler, mix3, to_unit};
 
 /// What lies behind this many surfaces along one ray is not asked for: the last is then opaque.
 const MAX_LAYERS: u32 = 1024;
 
-/// The closest hits that stop their ray. `rng` is where the numbers of the bounce begin; it is only looked at.
+/// The closest hits that stop their ray. `rng` is where the numbers of `bounce` begin; it is only looked at.
 #[inline(always)]
-pub fn closest<R: Real, M: Mode>(world: &World, ray: &Ray<R>, rng: &Xoshiro<R>, active: R::Mask) -> Hit<R> {
+pub fn closest<R: Real, M: Mode>(world: &World, ray: &Ray<R>, rng: &Sampler<R>, bounce: R, active: R::Mask) -> Hit<R> {
     let hit = world.closest::<R, M>(ray, active);
-    if world.plan.cutouts { pass::<R, M>(world, ray, rng, hit, active) } else { hit }
+    if world.plan.cutouts { pass::<R, M>(world, ray, || rng.opacity(world.sampler, bounce), hit, active) } else { hit }
 }
 
 /// Goes on behind what lanes pass. Directions are unit.
 #[inline(never)]
-fn pass<R: Real, M: Mode>(world: &World, ray: &Ray<R>, rng: &Xoshiro<R>, mut hit: Hit<R>, active: R::Mask) -> Hit<R> {
+fn pass<R: Real, M: Mode>(
+    world: &World,
+    ray: &Ray<R>,
+    number: impl Fn() -> R,
+    mut hit: Hit<R>,
+    active: R::Mask,
+) -> Hit<R> {
     let mut rest = *ray;
     let mut undecided = active & hit.valid();
     let mut u = None;
@@ -41,7 +47,7 @@ fn pass<R: Real, M: Mode>(world: &World, ray: &Ray<R>, rng: &Xoshiro<R>, mut hit
         if partial.none() {
             break;
         }
-        let u = *u.get_or_insert_with(|| { *rng }.bounce_dims()[dimensions::OPACITY]);
+        let u = *u.get_or_insert_with(&number);
         let passes = partial & decision(u, hit.primitive, layer).ge(opacity);
         if passes.none() {
             break;

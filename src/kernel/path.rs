@@ -17,7 +17,7 @@ use crate::geometry::{Hit, MISS, Ray, SurfacePoint, shadow_ray};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::light::{LightSample, sphere_pdf, triangle_pdf};
 use crate::sampling::dimensions::*;
-use crate::sampling::{Frame, Xoshiro};
+use crate::sampling::{Frame, Sampler};
 
 /// Roulette begins after this many scattering events.
 const ROULETTE_AFTER: f32 = 5.0;
@@ -42,7 +42,7 @@ pub struct Paths<R: Real> {
     pub hit: Hit<R>,
     pub beta: Vec3<R>,
     pub radiance: Vec3<R>,
-    pub rng: Xoshiro<R>,
+    pub rng: Sampler<R>,
     /// Solid-angle pdf with which the ray was sampled; infinite for camera rays and after a delta.
     pub bsdf_pdf: R,
     /// Product of the relative indices of refraction along the path, squared.
@@ -60,7 +60,7 @@ impl<R: Real> Paths<R> {
             hit: Hit::miss(R::splat(f32::INFINITY)),
             beta: Vec3::zero(),
             radiance: Vec3::zero(),
-            rng: Xoshiro::from_keys(|_| 0),
+            rng: Sampler::idle(),
             bsdf_pdf: R::splat(f32::INFINITY),
             eta_squared: R::one(),
             bounce: R::zero(),
@@ -88,13 +88,13 @@ pub fn render<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     loop {
         if T::PRETRACED {
             if paths.alive.any() {
-                paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.alive);
+                paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.bounce, paths.alive);
             }
             queue.refill::<T>(&mut paths);
         } else {
             queue.refill::<T>(&mut paths);
             if paths.alive.any() {
-                paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.alive);
+                paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.bounce, paths.alive);
             }
         }
         if paths.alive.none() {
@@ -129,7 +129,7 @@ pub(super) fn bounce<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     if world.plan.area_lights {
         add_emission(world, paths, &surface, on_surface, probe);
     }
-    let mut u = paths.rng.bounce_dims();
+    let mut u = paths.rng.bounce_dims(world.sampler, paths.bounce);
     for x in &mut u {
         *x = probe.tap(Stage::Random, lanes, *x);
     }

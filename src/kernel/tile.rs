@@ -7,8 +7,8 @@ use crate::accel::Mode;
 use crate::film::AovSample;
 use crate::geometry::{Hit, Ray};
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
+use crate::sampling::Sampler;
 use crate::sampling::dimensions::{LENS, PIXEL};
-use crate::sampling::{Xoshiro, sample_key};
 
 /// Pixels and samples to render together.
 #[derive(Clone, Copy, Debug)]
@@ -134,7 +134,7 @@ pub struct CameraPacket<R: Real> {
     pub ray: Ray<R>,
     /// A miss where the queue was not asked to trace.
     pub hit: Hit<R>,
-    pub rng: Xoshiro<R>,
+    pub rng: Sampler<R>,
     pub slot: R::Bits,
     pub active: R::Mask,
     /// Do the origins differ?
@@ -179,14 +179,15 @@ impl<'a, R: Real> CameraQueue<'a, R> {
     #[inline(never)]
     pub fn next_packet<M: Mode>(&mut self, trace: bool) -> Option<CameraPacket<R>> {
         let (mut x, mut y) = (R::zero(), R::zero());
-        let mut rng = Xoshiro::<R>::from_keys(|_| 0);
+        let mut rng = Sampler::<R>::idle();
         let mut slot = R::Bits::splat(0);
         let mut made = 0;
         let job = self.job;
         while made < R::WIDTH && self.pixel < job.width * job.height {
             let (px, py) = (job.x + self.pixel % job.width, job.y + self.pixel / job.width);
             let pixel = py * self.world.film.width + px;
-            rng.seed_lane(made, sample_key(self.world.seed, pixel, job.first_sample + self.sample));
+            let sample = job.first_sample + self.sample;
+            rng.seed_lane(self.world.sampler, made, self.world.seed, pixel, sample);
             x.set_lane(made, px as f32);
             y.set_lane(made, py as f32);
             slot.set_lane(made, self.pixel * job.samples + self.sample);
@@ -200,12 +201,16 @@ impl<'a, R: Real> CameraQueue<'a, R> {
         if made == 0 {
             return None;
         }
-        let u = rng.camera_dims();
-        let (x, y) = (x + u[PIXEL], y + u[PIXEL + 1]);
         let lens = self.world.plan.lens;
+        let u = rng.camera_dims(self.world.sampler, lens);
+        let (x, y) = (x + u[PIXEL], y + u[PIXEL + 1]);
         let camera = &self.world.camera;
         let ray = if lens { camera.lens_ray(x, y, [u[LENS], u[LENS + 1]]) } else { camera.ray(x, y) };
-        let hit = if trace { cutout::closest::<R, M>(self.world, &ray, &rng, active) } else { Hit::miss(ray.t_max) };
+        let hit = if trace {
+            cutout::closest::<R, M>(self.world, &ray, &rng, R::zero(), active)
+        } else {
+            Hit::miss(ray.t_max)
+        };
         Some(CameraPacket { ray, hit, rng, slot, active, lens })
     }
 }

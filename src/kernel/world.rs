@@ -10,6 +10,7 @@ use crate::geometry::{Hit, Ray, Rows, SphereAt, SphereRows, TriangleRows};
 use crate::lane::{Bits, Mask, Real, Vec3, float_mode};
 use crate::light::{Emitter, EmitterShape, Extent, LightError, LightSample, Lights};
 use crate::plan::{GeometryMode, Plan};
+use crate::sampling::SamplerKind;
 use crate::scene::{DeltaLight, FilmSize, Integrator, IntegratorKind, NO_NORMAL, NO_TEXCOORD, Scene};
 use std::time::Instant;
 
@@ -22,6 +23,7 @@ pub struct World {
     /// Scattering events allowed on a path (the integrator's, with `direct` limited to 1).
     pub max_bounces: f32,
     pub seed: u64,
+    pub sampler: SamplerKind,
     pub accel: Accel,
     /// Vertex 0, edges, geometric normal of each triangle.
     pub triangles: TriangleRows,
@@ -61,6 +63,7 @@ pub struct Setup {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Prepare {
     pub seed: u64,
+    pub sampler: SamplerKind,
     pub build: Preset,
 }
 
@@ -110,6 +113,7 @@ impl World {
             integrator: scene.integrator,
             max_bounces: max_bounces(&scene.integrator),
             seed: options.seed,
+            sampler: sampler(&scene.integrator, options.sampler),
             accel,
             triangles,
             tags,
@@ -169,6 +173,11 @@ impl World {
     pub fn sphere_at<R: Real>(&self, primitive: R::Bits, on_sphere: R::Mask) -> SphereAt<R> {
         self.spheres.fetch::<R>(primitive - R::Bits::splat(self.triangle_count), on_sphere)
     }
+}
+
+/// Gather rays draw from keys of their own, by points that the scene chooses; the rest is independent.
+fn sampler(integrator: &Integrator, wanted: SamplerKind) -> SamplerKind {
+    if integrator.kind == IntegratorKind::Gather { SamplerKind::Independent } else { wanted }
 }
 
 /// `direct` is a path of one scattering event.

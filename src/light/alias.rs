@@ -1,17 +1,17 @@
 //! Choosing one of n in constant time: the alias table (Walker 1977), built as by Vose (1991).
 //!
-//! Thresholds are multiples of 2⁻²⁴, the grid of the number they are compared with, or of a coarser grid where a
-//! [`Packing`] keeps fewer bits, and the probabilities handed out are those of the rounded table. So a sample's frequency and its pdf agree exactly; an entry whose share falls below
+//! Thresholds are multiples of 2⁻²⁴, the grid of the number they are compared with, and the probabilities handed out
+//! are those of the rounded table. So a sample's frequency and its pdf agree exactly; an entry whose share falls below
 //! the grid gets probability 0 instead of being drawn too often.
 
-use crate::lane::{Bits, MAX_WIDTH, Real};
+use crate::lane::{Bits, Real};
 use crate::sampling::{mix3, to_unit};
 
 /// The most entries a table may have: indices are counted in `f32`.
 pub const MAX_ENTRIES: usize = 1 << 24;
 
 /// Steps of a random number in [0, 1).
-pub const GRID: f64 = (1u32 << 24) as f64;
+const GRID: f64 = (1u32 << 24) as f64;
 
 /// One entry: keep it while the second number is below `threshold`, else take `alias`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,7 +34,7 @@ impl Table {
         let relative: Vec<f32> = weights.iter().map(|w| (w / strongest) as f32).collect();
         let mut table = vec![Slot::default(); relative.len()];
         let mut probability = vec![0.0; relative.len()];
-        Builder::default().fill(&relative, &mut table, GRID);
+        Builder::default().fill(&relative, &mut table);
         probabilities(&table, &mut probability);
         (Self(table), probability)
     }
@@ -64,9 +64,9 @@ pub struct Builder {
 }
 
 impl Builder {
-    /// Fills `slots` in proportion to `weights` (finite, ≥ 0, equally many), thresholds in steps of 1/`grid`, and
+    /// Fills `slots` in proportion to `weights` (finite, ≥ 0, equally many) and
     /// returns their sum. Where the sum is 0, the table is uniform.
-    pub fn fill(&mut self, weights: &[f32], slots: &mut [Slot], grid: f64) -> f64 {
+    pub fn fill(&mut self, weights: &[f32], slots: &mut [Slot]) -> f64 {
         debug_assert_eq!(weights.len(), slots.len());
         let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
         let to_share = if total > 0.0 { weights.len() as f64 / total } else { 0.0 };
@@ -87,7 +87,7 @@ impl Builder {
         }
         while let (Some(&poor), Some(&rich)) = (self.small.last(), self.large.last()) {
             self.small.pop();
-            let threshold = (self.share[poor as usize] * grid).round() / grid;
+            let threshold = (self.share[poor as usize] * GRID).round() / GRID;
             slots[poor as usize] = Slot { threshold: threshold as f32, alias: rich };
             // What was really taken, so that the rounding of one threshold does not accumulate in the rich.
             self.share[rich as usize] -= 1.0 - threshold;
@@ -102,47 +102,6 @@ impl Builder {
             slots[i as usize] = Slot { threshold: if drawn { 1.0 } else { 0.0 }, alias: largest as u32 };
         }
         total
-    }
-}
-
-/// How an entry of a table of a given length fits 32 bits: the alias in as many as it needs, the threshold in the rest.
-#[derive(Clone, Copy, Debug)]
-pub struct Packing {
-    alias_bits: u32,
-    threshold_bits: u32,
-}
-
-impl Packing {
-    /// For tables of up to `n` ≤ [`MAX_ENTRIES`] entries.
-    pub fn new(n: usize) -> Self {
-        let alias_bits = usize::BITS - n.saturating_sub(1).leading_zeros();
-        Self { alias_bits, threshold_bits: (32 - alias_bits).min(24) }
-    }
-
-    /// Steps of a threshold in [0, 1): what [`Builder::fill`] is to round to.
-    pub fn grid(self) -> f64 {
-        (1u32 << self.threshold_bits) as f64
-    }
-
-    /// Entry `i`, its threshold on [`Packing::grid`].
-    pub fn pack(self, i: usize, slot: Slot) -> u32 {
-        // 1 has no bits left for it: such an entry leads to itself either way.
-        let always = slot.threshold >= 1.0;
-        let (threshold, alias) = if always { (0, i as u32) } else { (self.steps(slot.threshold), slot.alias) };
-        threshold << self.alias_bits | alias
-    }
-
-    fn steps(self, threshold: f32) -> u32 {
-        (f64::from(threshold) * self.grid()) as u32
-    }
-
-    /// [`resolve`] for packed entries.
-    #[inline(always)]
-    pub fn resolve<R: Real>(self, place: R::Bits, keep: R, words: &[u32; MAX_WIDTH]) -> R::Bits {
-        let alias = R::Bits::from_fn(|i| words[i] & ((1 << self.alias_bits) - 1));
-        let steps = R::from_int(R::Bits::from_fn(|i| words[i] >> self.alias_bits));
-        let threshold = steps * R::splat(1.0 / (1u32 << self.threshold_bits) as f32);
-        R::Bits::select(keep.lt(threshold), place, alias)
     }
 }
 

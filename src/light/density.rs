@@ -1,12 +1,14 @@
 //! The table behind sampling an image: which cell between four texel centres.
 //!
 //! The density wanted is the bilinear interpolant of weights given at the centres, 0 at the poles. A cell is chosen by
-//! a table of its row and that row's table of columns; the position in the cell follows from its corners. The factor
-//! that turns the interpolant into the density is computed per cell from the tables as rounded. Look-ups wait for the
-//! cache: so an entry is four bytes, and the factor is kept by the caller beside the radiance it is read with.
+//! a table of its row and that row's table of columns, both by inversion, so that a well-spread pair of numbers gives
+//! well-spread directions; the position in the cell follows from its corners. The factor that turns the interpolant into
+//! the density is computed per cell from the tables as rounded. Look-ups wait for the cache: so an entry is four bytes, and
+//! the factor is kept by the caller beside the radiance it is read with.
 
-use super::alias::{self, Builder, Packing, Slot};
-use crate::lane::{Bits, MAX_WIDTH, Real};
+use super::alias;
+use super::inversion::{Inversion, Table};
+use crate::lane::{Bits, Real};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -36,9 +38,8 @@ impl Shape {
 /// See the module.
 pub(super) struct Density {
     shape: Shape,
-    rows: Vec<Slot>,
-    packing: Packing,
-    columns: Vec<u32>,
+    rows: Inversion,
+    columns: Inversion,
 }
 
 /// A chosen cell, and what is left of the random numbers for the position in it: `x` between the columns, `y`
@@ -57,52 +58,44 @@ impl Density {
     /// row by row from the north, one row more than texels have.
     pub(super) fn build(shape: Shape, weight: impl Fn(usize, usize) -> f32 + Sync) -> (Self, Vec<f32>) {
         let Shape { width, height } = shape;
-        let packing = Packing::new(width);
-        let mut columns = vec![0; (height + 1) * width];
+        let mut columns = Inversion::new(height + 1, width);
         let mut scale = vec![0.0f32; (height + 1) * width];
-        let lines = columns.par_chunks_mut(width).zip(scale.par_chunks_mut(width)).enumerate();
+        let lines = columns.tables().into_par_iter().zip(scale.par_chunks_mut(width)).enumerate();
         let line_mass: Vec<f64> = lines
-            .map_init(Scratch::default, |scratch, (j, (words, scale))| {
-                let mass = scratch.line(shape, j, &weight, packing, scale) * cell_height(shape, j);
-                words.iter_mut().zip(&scratch.slots).enumerate().for_each(|(i, (w, slot))| *w = packing.pack(i, *slot));
-                mass
+            .map_init(Scratch::default, |scratch, (j, (table, scale))| {
+                scratch.line(shape, j, &weight, table, scale) * cell_height(shape, j)
             })
             .collect();
 
         let heaviest = line_mass.iter().fold(0.0, |a: f64, &b| a.max(b));
         let relative: Vec<f32> = line_mass.iter().map(|m| (m / heaviest) as f32).collect();
-        let mut rows = vec![Slot::default(); height + 1];
-        Builder::default().fill(&relative, &mut rows, alias::GRID);
+        let mut rows = Inversion::new(1, height + 1);
         let mut row_probability = vec![0.0; height + 1];
-        alias::probabilities(&rows, &mut row_probability);
+        rows.tables().iter_mut().for_each(|table| {
+            table.fill(&relative, &mut row_probability);
+        });
         for (j, line) in scale.chunks_exact_mut(width).enumerate() {
             let per_area = row_probability[j] * height as f64 / cell_height(shape, j) * width as f64;
             let factor = per_area / (2.0 * PI * PI);
             line.iter_mut().for_each(|s| *s = (f64::from(*s) * factor) as f32);
         }
-        (Self { shape, rows, packing, columns }, scale)
+        (Self { shape, rows, columns }, scale)
     }
 
     pub(super) fn memory(&self) -> usize {
-        size_of_val(&*self.rows) + size_of_val(&*self.columns)
+        self.rows.bytes() + self.columns.bytes()
     }
 
     #[inline(always)]
-    pub(super) fn choose<R: Real>(&self, u_choice: R, u: [R; 2]) -> Cell<R> {
-        let Shape { width, height } = self.shape;
-        let [fine_0, keep_row] = alias::fresh(u_choice, u[0], u[1]);
-        let [fine_1, keep_column] = alias::fresh(u[1], fine_0, keep_row);
-        let (place, _) = alias::place(height + 1, u_choice, fine_0);
-        let cell = alias::resolve(place, keep_row, |i| self.rows[place.lane(i) as usize]);
-        let (place, x) = alias::place(width, u[0], fine_1);
-        let mut words = [0; MAX_WIDTH];
-        for (i, word) in words.iter_mut().enumerate().take(R::WIDTH) {
-            *word = self.columns[cell.lane(i) as usize * width + place.lane(i) as usize];
-        }
-        let column = self.packing.resolve(place, keep_column, &words);
-        let south = (R::from_int(cell) + R::from_int(cell)).gt(R::splat(height as f32));
-        let row = R::Bits::select(south, R::Bits::splat(height as u32) - cell, cell);
-        Cell { column, row, south, x, y: u[1] }
+    pub(super) fn choose<R: Real>(&self, u: [R; 2]) -> Cell<R> {
+        let [fine_0, fine_1] = alias::fresh(u[0], u[1], R::zero());
+        let row = self.rows.choose(R::Bits::splat(0), u[1], fine_1);
+        let column = self.columns.choose(row.entry, u[0], fine_0);
+        let south = (R::from_int(row.entry) + R::from_int(row.entry)).gt(R::splat(self.shape.height as f32));
+        let from_pole = R::Bits::select(south, R::Bits::splat(self.shape.height as u32) - row.entry, row.entry);
+        // Positions are counted from the nearer pole too.
+        let y = R::select(south, R::one() - row.rest, row.rest);
+        Cell { column: column.entry, row: from_pole, south, x: column.rest, y }
     }
 }
 
@@ -113,20 +106,18 @@ fn cell_height(shape: Shape, j: usize) -> f64 {
 
 #[derive(Default)]
 struct Scratch {
-    builder: Builder,
     weights: Vec<f32>,
-    slots: Vec<Slot>,
     probability: Vec<f64>,
 }
 
 impl Scratch {
-    /// One row of cells: fills `slots`, leaves P(column | row) / mean weight in `scale`, returns the sum of the means.
+    /// One row of cells: fills its table, leaves P(column | row) / mean weight in `scale`, returns the sum of the means.
     fn line(
         &mut self,
         shape: Shape,
         j: usize,
         weight: &impl Fn(usize, usize) -> f32,
-        packing: Packing,
+        mut table: Table<'_>,
         scale: &mut [f32],
     ) -> f64 {
         let Shape { width, height } = shape;
@@ -143,10 +134,8 @@ impl Scratch {
             self.weights.push((0.25 * (left + right)) as f32);
             left = right;
         }
-        self.slots.resize(width, Slot::default());
-        let total = self.builder.fill(&self.weights, &mut self.slots, packing.grid());
         self.probability.resize(width, 0.0);
-        alias::probabilities(&self.slots, &mut self.probability);
+        let total = table.fill(&self.weights, &mut self.probability);
         for ((scale, &weight), &p) in scale.iter_mut().zip(&self.weights).zip(&self.probability) {
             *scale = if weight > 0.0 { (p / f64::from(weight)) as f32 } else { 0.0 };
         }

@@ -70,14 +70,14 @@ impl EnvironmentMap {
         }
     }
 
-    /// A unit direction from three numbers uniform in [0, 1), its radiance and its solid-angle density.
+    /// A unit direction from two numbers uniform in [0, 1), its radiance and its solid-angle density.
     #[inline(always)]
-    pub fn sample<R: Real>(&self, u_choice: R, u: [R; 2]) -> (Vec3<R>, Vec3<R>, R) {
+    pub fn sample<R: Real>(&self, u: [R; 2]) -> (Vec3<R>, Vec3<R>, R) {
         match self {
             Self::Constant(radiance) => (warp::uniform_sphere(u), Vec3::splat(*radiance), warp::uniform_sphere_pdf()),
-            Self::Image(map) => map.sample(u_choice, u),
+            Self::Image(map) => map.sample(u),
             Self::Turned(map, turn) => {
-                let (d, radiance, pdf) = map.sample(u_choice, u);
+                let (d, radiance, pdf) = map.sample(u);
                 (turn.apply(d), radiance, pdf)
             }
         }

@@ -90,8 +90,8 @@ impl ImageMap {
 
     /// Direction, radiance, pdf.
     #[inline(always)]
-    pub(super) fn sample<R: Real>(&self, u_choice: R, u: [R; 2]) -> (Vec3<R>, Vec3<R>, R) {
-        let cell = self.density.choose(u_choice, u);
+    pub(super) fn sample<R: Real>(&self, u: [R; 2]) -> (Vec3<R>, Vec3<R>, R) {
+        let cell = self.density.choose(u);
         let mut place = Place { column: cell.column, row: cell.row, south: cell.south, x: cell.x, y: cell.y };
         let corners = self.corners(&place);
         let [near, far] = map(corners.weight, |[left, right]| left + right);

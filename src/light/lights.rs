@@ -102,7 +102,7 @@ impl Lights {
         match (&self.area, &self.environment, &self.delta) {
             (None, None, None) => LightSample::none(),
             (Some(area), None, None) => sample_area(area, p, u_choice, u).only(active),
-            (None, Some(map), None) => sample_environment(map, u_choice, u, 1.0).only(active),
+            (None, Some(map), None) => sample_environment(map, u, 1.0).only(active),
             (None, None, Some(delta)) => delta.sample(p, u_choice, u, 1.0).only(active),
             _ => self.sample_one_kind(p, u_choice, u, active),
         }
@@ -126,7 +126,7 @@ impl Lights {
         }
         let environment_lanes = active & to_environment;
         if let Some(map) = self.environment.as_ref().filter(|_| environment_lanes.any()) {
-            let other = sample_environment(map, stretched, u, self.environment_probability);
+            let other = sample_environment(map, u, self.environment_probability);
             sample = LightSample::select(environment_lanes, other.only(environment_lanes), sample);
         }
         let delta_lanes = active & to_delta;
@@ -186,8 +186,8 @@ fn sample_area<R: Real>(area: &AreaLights, p: Vec3<R>, u_choice: R, u: [R; 2]) -
 }
 
 #[inline(always)]
-fn sample_environment<R: Real>(map: &EnvironmentMap, u_choice: R, u: [R; 2], share: f32) -> LightSample<R> {
-    let (wi, radiance, pdf) = map.sample(u_choice, u);
+fn sample_environment<R: Real>(map: &EnvironmentMap, u: [R; 2], share: f32) -> LightSample<R> {
+    let (wi, radiance, pdf) = map.sample(u);
     LightSample {
         wi,
         distance: R::splat(f32::INFINITY),

@@ -14,6 +14,7 @@ mod delta;
 mod density;
 mod environment;
 mod image;
+mod inversion;
 mod lights;
 mod sample;
 mod sphere;

@@ -9,6 +9,7 @@ use crate::film::checksum::{Checksum, Summed};
 use crate::film::codec::FilmShape;
 use crate::film::{Film, FilmChannels, FilmError};
 use crate::kernel::Counters;
+use crate::sampling::SamplerKind;
 use std::fs::File;
 use std::io::{BufReader, Read, Write};
 use std::path::{Path, PathBuf};
@@ -28,6 +29,7 @@ pub struct Origin {
     /// [`Scene::fingerprint`](crate::scene::Scene::fingerprint), in hexadecimal.
     pub fingerprint: String,
     pub seed: u64,
+    pub sampler: SamplerKind,
     pub width: u32,
     pub height: u32,
     pub aovs: bool,
@@ -77,10 +79,12 @@ impl Origin {
         let seed = |origin: &Origin| origin.seed.to_string();
         let version = |origin: &Origin| origin.version.clone();
         let scene = |origin: &Origin| origin.fingerprint.clone();
-        let facts: [(_, fn(&Origin) -> String, String); 5] = [
+        let sampler = |origin: &Origin| origin.sampler.name().to_string();
+        let facts: [(_, fn(&Origin) -> String, String); 6] = [
             ("version of octolux", version, "go on with the one that began it".to_string()),
             ("size", size, format!("give --size {}", size(theirs))),
             ("seed", seed, format!("give --seed {}", theirs.seed)),
+            ("sampler", sampler, format!("give --sampler {}", theirs.sampler.name())),
             ("set of channels", aovs, "give --aovs to all or to none".to_string()),
             ("scene", scene, "it goes on only with the scene, meshes and images as they were".to_string()),
         ];

@@ -5,6 +5,7 @@ use crate::film::Discarded;
 use crate::kernel::{Counters, Setup, World};
 use crate::plan::Plan;
 use crate::process::{peak_memory_bytes, seconds_since_process_start};
+use crate::sampling::SamplerKind;
 use std::fmt;
 
 /// Version of the JSON's form; raised when a field changes its meaning.
@@ -24,6 +25,7 @@ pub struct Summary {
     pub threads: usize,
     pub tile: u32,
     pub seed: u64,
+    pub sampler: SamplerKind,
     pub samples_per_pixel: u64,
     /// Of these, held at the start: from a state.
     pub resumed_samples: u64,
@@ -82,6 +84,7 @@ impl Summary {
             threads,
             tile: options.tile,
             seed: world.seed,
+            sampler: world.sampler,
             samples_per_pixel: outcome.film.samples(),
             resumed_samples: 0,
             stopped_by: outcome.stopped_by,
@@ -146,14 +149,22 @@ impl fmt::Display for Summary {
             self.peak_memory_bytes.unwrap_or(0) >> 20
         )?;
         if let Some(e) = self.relative_error {
-            writeln!(f, "relative error {e:.5}")?;
+            let bound = if self.sampler == SamplerKind::Sobol {
+                ", at most: even samples do better than s²/n says"
+            } else {
+                ""
+            };
+            writeln!(f, "relative error {e:.5}{bound}")?;
         }
         if self.discarded_samples > 0 {
             let (x, y, s) = self.discarded_first.first().copied().unwrap_or_default();
             writeln!(
                 f,
-                "{} samples were not finite and count as 0; the first: octolux replay {} --pixel {x},{y} --sample {s} --seed {}",
-                self.discarded_samples, self.scene, self.seed
+                "{} samples were not finite and count as 0; the first: octolux replay {} --pixel {x},{y} --sample {s} --seed {} --sampler {}",
+                self.discarded_samples,
+                self.scene,
+                self.seed,
+                self.sampler.name()
             )?;
         }
         Ok(())

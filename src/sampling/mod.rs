@@ -1,12 +1,13 @@
 //! Random numbers in lanes, and the warps that make directions and points of them.
 //!
-//! Randomness belongs to the sample: [`sample_key`] makes a 64-bit key of (seed, pixel, sample), [`Xoshiro`] draws
-//! the same numbers from that key in any lane at any width, and [`dimensions`] says what each number is for.
+//! Randomness belongs to the sample: [`sample_key`] makes a 64-bit key of (seed, pixel, sample), a [`Sampler`] draws the
+//! same numbers from that key in any lane at any width, and [`dimensions`] says what each number is for.
 
 pub mod dimensions;
 mod frame;
 mod key;
 mod mix;
+mod sampler;
 pub mod sobol;
 mod sobol_table;
 pub mod warp;
@@ -15,6 +16,7 @@ mod xoshiro;
 pub use frame::Frame;
 pub use key::{child_key, sample_key};
 pub use mix::{mix3, to_unit};
+pub use sampler::{Sampler, SamplerKind};
 pub use xoshiro::Xoshiro;
 
 use crate::lane::Real;

@@ -8,6 +8,7 @@
 //! Sets of two or four dimensions are padded: each set shuffles the index by a hash of its own, again by Owen's
 //! permutation, which leaves any aligned block of 2^k indices a block.
 
+pub use super::mix::to_unit;
 use super::sobol_table::{COLUMNS, DIMENSIONS};
 use crate::lane::{Bits, Real, array};
 
@@ -50,6 +51,24 @@ pub fn owen_2d<R: Real>(index: R::Bits, key: Key<R>, set: u32) -> [R::Bits; 2] {
         reverse::<R>(laine_karras::<R>(shuffled, key.child(8 * set + 1))),
         reverse::<R>(laine_karras::<R>(second, key.child(8 * set + 2))),
     ]
+}
+
+/// [`owen_2d`] for a set a lane, `index` given in reverse: the numbers are others, their distribution is the same.
+#[inline(always)]
+pub fn owen_2d_lanes<R: Real>(reversed_index: R::Bits, key: Key<R>, set: R::Bits) -> [R::Bits; 2] {
+    let of_set = mix::<R>(mix::<R>(key.low + set * R::Bits::splat(0x9e37_79b9)) ^ key.high);
+    let shuffled = reverse::<R>(laine_karras::<R>(reversed_index, of_set));
+    let second = pascal::<R>(shuffled);
+    // One more mixing each: seeds that only differ by a constant would scramble both dimensions alike.
+    let seeds = [0x7f4a_7c15, 0x94d0_49bb].map(|salt| mix::<R>(of_set + R::Bits::splat(salt)));
+    [reverse::<R>(laine_karras::<R>(shuffled, seeds[0])), reverse::<R>(laine_karras::<R>(second, seeds[1]))]
+}
+
+/// A number without structure for sample `index` and purpose `set`, a lane: a hash.
+#[inline(always)]
+pub fn hashed_lanes<R: Real>(index: R::Bits, key: Key<R>, set: R::Bits) -> R::Bits {
+    let of_set = mix::<R>(key.low + set * R::Bits::splat(0x9e37_79b9)) ^ key.high;
+    mix::<R>(mix::<R>(of_set) + index * R::Bits::splat(0x9e37_79b1))
 }
 
 /// Four numbers of the padded set `set` for sample `index`: the first four dimensions of Sobol'. A set number is used for
@@ -98,12 +117,6 @@ pub fn shifted_sobol<R: Real>(index: R::Bits, key: Key<R>, dimension: usize) -> 
     reverse::<R>(sobol_reversed::<R>(index, dimension)) ^ key.child(dimension as u32)
 }
 
-/// In [0, 1), a multiple of 2⁻²⁴.
-#[inline(always)]
-pub fn to_unit<R: Real>(bits: R::Bits) -> R {
-    R::from_int(bits.shr::<8>()) * R::splat(1.0 / (1u32 << 24) as f32)
-}
-
 /// Point `index` of [`owen_2d`]'s set 0 in f64, at the centres of its 2³² cells.
 pub fn owen_pair(index: u32, key: u64) -> [f64; 2] {
     let key = Key::<f32>::from_fn(|_| key);
@@ -138,8 +151,9 @@ fn laine_karras<R: Real>(x: R::Bits, seed: R::Bits) -> R::Bits {
     x ^ (x * R::Bits::splat(0x53a2_2864))
 }
 
+/// The 32 digits in the other order.
 #[inline(always)]
-fn reverse<R: Real>(x: R::Bits) -> R::Bits {
+pub fn reverse<R: Real>(x: R::Bits) -> R::Bits {
     let merge =
         |left: R::Bits, right: R::Bits, mask: u32| (left & R::Bits::splat(!mask)) | (right & R::Bits::splat(mask));
     let x = merge(x.shl::<1>(), x.shr::<1>(), 0x5555_5555);

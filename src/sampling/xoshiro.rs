@@ -6,7 +6,7 @@ use crate::lane::{Bits, Real};
 /// One xoshiro128++ generator a lane: the integers of `rand_xoshiro::Xoshiro128PlusPlus`, bit for bit.
 #[derive(Clone, Copy, Debug)]
 pub struct Xoshiro<R: Real> {
-    s: [R::Bits; 4],
+    pub(super) s: [R::Bits; 4],
 }
 
 impl<R: Real> Xoshiro<R> {

@@ -42,6 +42,7 @@ fn head(film: &Film) -> Head {
         version: "0".into(),
         fingerprint: "f".into(),
         seed: 7,
+        sampler: octolux::sampling::SamplerKind::Sobol,
         width: film.width(),
         height: film.height(),
         aovs: film.channels() == FilmChannels::ColourAndAovs,

@@ -3,5 +3,6 @@
 pub mod draw;
 mod frame;
 mod random;
+mod sampler;
 mod sobol;
 mod warp;

@@ -24,7 +24,7 @@ use super::world::World;
 use crate::geometry::{MISS, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::sampling::dimensions::*;
-use crate::sampling::{Frame, Xoshiro, child_key, sample_key};
+use crate::sampling::{Frame, Sampler, SamplerKind, child_key, sample_key};
 use crate::scene::GatherLights;
 use draw::Directions;
 use trace::Beams;
@@ -43,9 +43,9 @@ struct Vertex<R: Real> {
 impl<R: Real> Vertex<R> {
     /// The generators of rays `first …`, and their numbers for this hit.
     #[inline(always)]
-    fn numbers(&self, first: usize) -> (Xoshiro<R>, [R; BOUNCE]) {
-        let mut rng = Xoshiro::from_keys(|lane| child_key(self.key, (first + lane) as u32));
-        let u = rng.bounce_dims();
+    fn numbers(&self, first: usize) -> (Sampler<R>, [R; BOUNCE]) {
+        let mut rng = Sampler::independent(|lane| child_key(self.key, (first + lane) as u32));
+        let u = rng.bounce_dims(SamplerKind::Independent, R::zero());
         (rng, u)
     }
 }
@@ -76,7 +76,7 @@ pub fn render<R: Real, T: Traversal>(world: &World, job: &Job, out: &mut SampleB
             let distance = packet.hit.t * R::splat(world.unit);
             out.write_features(packet.slot, surface.material.albedo(), normal, distance, found);
         }
-        let u = packet.rng.bounce_dims();
+        let u = packet.rng.bounce_dims(SamplerKind::Independent, R::zero());
         let outward = -packet.ray.direction;
         if world.plan.shading_normals {
             surface.face(outward);

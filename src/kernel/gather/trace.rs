@@ -102,14 +102,14 @@ impl Beams {
         paths.bounce = R::one();
         paths.slot = R::Bits::from_fn(|lane| lane as u32);
         paths.alive = carries;
-        paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, carries);
+        paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.bounce, carries);
         loop {
             bounce::<R, T, AllModels, NoProbe>(world, &mut paths, out, counters, &mut NoProbe);
             if paths.alive.none() {
                 return Vec3::from_fn(|lane| out.rgb[lane]);
             }
             counters.packet(paths.alive, paths.bounce);
-            paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.alive);
+            paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.bounce, paths.alive);
         }
     }
 }
@@ -132,7 +132,7 @@ fn seen<R: Real, T: Traversal>(
         return world.background(ray.direction, clear.gt(R::zero())) * clear;
     }
     let hit = if world.plan.cutouts {
-        cutout::closest::<R, T::Bounce>(world, ray, &vertex.numbers(first).0, active)
+        cutout::closest::<R, T::Bounce>(world, ray, &vertex.numbers(first).0, R::one(), active)
     } else {
         world.closest::<R, T::Bounce>(ray, active)
     };

@@ -1,0 +1,113 @@
+//! Choosing one of n by inverting the cumulative distribution: near numbers choose near entries, which keeps what a
+//! low-discrepancy sampler puts into them. A guide table (Chen & Asau 1974) finds the place in constant expected time.
+//!
+//! Cumulative values are multiples of 2⁻²⁴, the grid of the numbers they are compared with: an entry's probability is
+//! exactly the share of numbers that choose it. One whose share falls below the grid is never chosen.
+
+use crate::lane::{Bits, MAX_WIDTH, Real, prefetch};
+use crate::sampling::ONE_BELOW;
+
+const GRID: f64 = (1u32 << 24) as f64;
+/// Entries a bucket of the guide covers on average: 2, searched one by one, were no faster.
+const ENTRIES_PER_BUCKET: usize = 8;
+
+/// Tables of equal length, one after the other.
+pub struct Inversion {
+    entries: usize,
+    buckets: usize,
+    /// `entries` + 1 values a table, 0 first.
+    cumulative: Vec<u32>,
+    /// `buckets` + 1 a table: the entry at which a bucket's numbers begin.
+    guide: Vec<u32>,
+}
+
+/// One table while it is made.
+pub struct Table<'a> {
+    cumulative: &'a mut [u32],
+    guide: &'a mut [u32],
+}
+
+/// Entries chosen, and where in them the number fell, again uniform in [0, 1).
+pub struct Choice<R: Real> {
+    pub entry: R::Bits,
+    pub rest: R,
+}
+
+impl Inversion {
+    /// Room for `tables` of `entries` ≥ 1 each; nothing can be chosen until they are filled.
+    pub fn new(tables: usize, entries: usize) -> Self {
+        let buckets = entries.div_ceil(ENTRIES_PER_BUCKET).next_power_of_two();
+        let (cumulative, guide) = (vec![0; tables * (entries + 1)], vec![0; tables * (buckets + 1)]);
+        Self { entries, buckets, cumulative, guide }
+    }
+
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.cumulative) + size_of_val(&*self.guide)
+    }
+
+    /// The tables, to be filled in any order.
+    pub fn tables(&mut self) -> Vec<Table<'_>> {
+        let cumulative = self.cumulative.chunks_exact_mut(self.entries + 1);
+        let guide = self.guide.chunks_exact_mut(self.buckets + 1);
+        cumulative.zip(guide).map(|(cumulative, guide)| Table { cumulative, guide }).collect()
+    }
+
+    /// Chooses from table `table` by `u`; `fine` in [0, 1) extends `u` below its last bit of 2⁻²⁴.
+    #[inline(always)]
+    pub fn choose<R: Real>(&self, table: R::Bits, u: R, fine: R) -> Choice<R> {
+        // Whatever `u` is, NaN included, a place in the table.
+        let u = u.max_or(R::zero()).min_or(R::splat(ONE_BELOW));
+        let steps = (u * R::splat(GRID as f32)).to_int();
+        let shift = 24 - self.buckets.trailing_zeros();
+        // All addresses first: lanes then wait for the cache together.
+        let mut bucket = [0; MAX_WIDTH];
+        for (i, bucket) in bucket.iter_mut().enumerate().take(R::WIDTH) {
+            *bucket = table.lane(i) as usize * (self.buckets + 1) + (steps.lane(i) >> shift) as usize;
+            prefetch(self.guide.as_ptr().wrapping_add(*bucket));
+        }
+        let (mut from, mut to) = ([0; MAX_WIDTH], [0; MAX_WIDTH]);
+        for i in 0..R::WIDTH {
+            from[i] = self.guide[bucket[i]] as usize;
+            to[i] = self.guide[bucket[i] + 1] as usize;
+            prefetch(self.cumulative.as_ptr().wrapping_add(table.lane(i) as usize * (self.entries + 1) + from[i]));
+        }
+        let (mut entry, mut below, mut share) = ([0; MAX_WIDTH], [0; MAX_WIDTH], [0; MAX_WIDTH]);
+        for i in 0..R::WIDTH {
+            let first = table.lane(i) as usize * (self.entries + 1);
+            let row = &self.cumulative[first..][..self.entries + 1];
+            let at = from[i] + row[from[i] + 1..to[i] + 1].partition_point(|&c| c <= steps.lane(i));
+            (entry[i], below[i], share[i]) = (at as u32, row[at], row[at + 1] - row[at]);
+        }
+        let into = R::from_int(steps - R::Bits::load(&below)) + fine;
+        let rest = (into / R::from_int(R::Bits::load(&share))).max_or(R::zero()).min_or(R::splat(ONE_BELOW));
+        Choice { entry: R::Bits::load(&entry), rest }
+    }
+}
+
+impl Table<'_> {
+    /// Fills the table in proportion to `weights` (finite, ≥ 0, as many as entries), sets `probability` to how often each
+    /// is chosen, and returns the sum of the weights. Where that is 0, nothing is ever chosen.
+    pub fn fill(&mut self, weights: &[f32], probability: &mut [f64]) -> f64 {
+        let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
+        let to_grid = if total > 0.0 { GRID / total } else { 0.0 };
+        let last = weights.iter().rposition(|&w| w > 0.0).unwrap_or(0);
+        let mut sum = 0.0;
+        for (i, &w) in weights.iter().enumerate() {
+            sum += f64::from(w);
+            // The last that weighs anything ends at 1 whatever the sums' rounding.
+            let end = if i >= last && total > 0.0 { GRID } else { (sum * to_grid).round().min(GRID) };
+            self.cumulative[i + 1] = end as u32;
+            probability[i] = f64::from(self.cumulative[i + 1] - self.cumulative[i]) / GRID;
+        }
+        let buckets = self.guide.len() - 1;
+        let mut entry = 0;
+        for (bucket, guide) in self.guide.iter_mut().enumerate() {
+            let begins = (bucket * ((1 << 24) / buckets)) as u32;
+            while entry < last && self.cumulative[entry + 1] <= begins {
+                entry += 1;
+            }
+            *guide = entry as u32;
+        }
+        total
+    }
+}

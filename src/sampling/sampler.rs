@@ -1,0 +1,138 @@
+//! The numbers of a path, by one of two samplers: a function of (seed, pixel, sample, dimension) with either.
+
+use super::dimensions::*;
+use super::sobol::{self, Key};
+use super::{Xoshiro, sample_key, to_unit};
+use crate::lane::{Bits, Real, array};
+
+/// How the numbers of the samples of a pixel relate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum SamplerKind {
+    /// Owen-scrambled Sobol' points, padded in pairs of dimensions: the numbers of one purpose fill their range evenly over
+    /// the samples of a pixel. Pixels are scrambled independently.
+    Sobol,
+    /// Independent numbers (xoshiro128++): the variance of a pixel's mean is s²/n.
+    #[default]
+    Independent,
+}
+
+impl SamplerKind {
+    /// As the command line and reports have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            SamplerKind::Sobol => "sobol",
+            SamplerKind::Independent => "independent",
+        }
+    }
+}
+
+/// One stream of numbers a lane.
+///
+/// Both samplers keep their state in the same four words, so that paths move between lanes alike: xoshiro's state, or
+/// the reversed sample index, the two halves of the pixel's key, and the index.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampler<R: Real>(Xoshiro<R>);
+
+/// Sets of dimensions a bounce has: direction, light position, light and lobe, roulette, opacity.
+const SETS: u32 = 5;
+const OPACITY_SET: u32 = 4;
+/// Of the camera: pixel and lens.
+const CAMERA_SETS: u32 = 2;
+
+impl<R: Real> Sampler<R> {
+    /// Nothing that may be drawn from.
+    pub fn idle() -> Self {
+        Self(Xoshiro { s: [R::Bits::splat(0); 4] })
+    }
+
+    /// Independent numbers, lane i from `key(i)`.
+    #[inline]
+    pub fn independent(key: impl FnMut(usize) -> u64) -> Self {
+        Self(Xoshiro::from_keys(key))
+    }
+
+    /// Starts sample `sample` of `pixel` in `lane`.
+    #[inline]
+    pub fn seed_lane(&mut self, kind: SamplerKind, lane: usize, seed: u64, pixel: u32, sample: u32) {
+        match kind {
+            SamplerKind::Independent => self.0.seed_lane(lane, sample_key(seed, pixel, sample)),
+            SamplerKind::Sobol => {
+                let key = sample_key(seed, pixel, 0);
+                let words = [sample.reverse_bits(), key as u32, (key >> 32) as u32, sample];
+                self.0.s.iter_mut().zip(words).for_each(|(s, word)| s.set_lane(lane, word));
+            }
+        }
+    }
+
+    /// Lanes in `mask` go on where lane `from` of `other` is.
+    #[inline(always)]
+    pub fn take_lanes(&mut self, mask: R::Mask, other: &Self, from: R::Bits) {
+        self.0.take_lanes(mask, &other.0, from);
+    }
+
+    /// The camera's numbers, indexed by [`dimensions`](super::dimensions); without `lens` those of the lens are unspecified.
+    #[inline(always)]
+    pub fn camera_dims(&mut self, kind: SamplerKind, lens: bool) -> [R; CAMERA] {
+        match kind {
+            SamplerKind::Independent => self.0.camera_dims(),
+            SamplerKind::Sobol => {
+                let pixel = self.pair(R::Bits::splat(0));
+                let lens = if lens { self.pair(R::Bits::splat(1)) } else { pixel };
+                [pixel[0], pixel[1], lens[0], lens[1]]
+            }
+        }
+    }
+
+    /// The numbers of `bounce` (0 is the first; a lane), indexed by [`dimensions`](super::dimensions). To be asked for
+    /// every bounce in turn.
+    #[inline(always)]
+    pub fn bounce_dims(&mut self, kind: SamplerKind, bounce: R) -> [R; BOUNCE] {
+        match kind {
+            SamplerKind::Independent => self.0.bounce_dims(),
+            SamplerKind::Sobol => self.sobol_bounce(bounce),
+        }
+    }
+
+    /// The number of `bounce` that decides on cut-outs, looked up before the others are drawn.
+    #[inline(always)]
+    pub fn opacity(&self, kind: SamplerKind, bounce: R) -> R {
+        match kind {
+            SamplerKind::Independent => { self.0 }.bounce_dims()[OPACITY],
+            SamplerKind::Sobol => self.hashed(Self::set(bounce, OPACITY_SET)),
+        }
+    }
+
+    /// The number of a set of `bounce`.
+    #[inline(always)]
+    fn set(bounce: R, k: u32) -> R::Bits {
+        bounce.to_int() * R::Bits::splat(SETS) + R::Bits::splat(CAMERA_SETS + k)
+    }
+
+    #[inline(never)]
+    fn sobol_bounce(&self, bounce: R) -> [R; BOUNCE] {
+        let set = |k: u32| Self::set(bounce, k);
+        let mut u = [R::zero(); BOUNCE];
+        [u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]] = self.pair(set(0));
+        [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]] = self.pair(set(1));
+        [u[LIGHT_CHOICE], u[BSDF_LOBE]] = self.pair(set(2));
+        u[ROULETTE] = self.hashed(set(3));
+        u[OPACITY] = self.hashed(set(OPACITY_SET));
+        u
+    }
+
+    #[inline(always)]
+    fn key(&self) -> Key<R> {
+        Key { low: self.0.s[1], high: self.0.s[2] }
+    }
+
+    #[inline(always)]
+    fn pair(&self, set: R::Bits) -> [R; 2] {
+        array::map(sobol::owen_2d_lanes::<R>(self.0.s[0], self.key(), set), to_unit)
+    }
+
+    #[inline(always)]
+    fn hashed(&self, set: R::Bits) -> R {
+        to_unit(sobol::hashed_lanes::<R>(self.0.s[3], self.key(), set))
+    }
+}
