@@ -8,7 +8,7 @@ use octolux::render::thread_pool;
 use octolux::scene::{self, FilmSize, Scene};
 use std::path::Path;
 
-const NAMES: [&str; 7] = ["cornell", "furnace", "isothermal", "lens", "stage", "sun-sky", "veach"];
+const NAMES: [&str; 8] = ["cornell", "courtyard", "furnace", "isothermal", "lens", "stage", "sun-sky", "veach"];
 
 fn load(name: &str) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).join("scene.toml");

@@ -1,8 +1,9 @@
-//! Writes the procedural parts of `scenes/`: the plates of veach, the sky and the ring of sun-sky.
+//! Writes the procedural parts of `scenes/`: the plates of veach, the sky and the ring of sun-sky, the courtyard.
 //!
 //! `cargo run --release --example make_scenes [FOLDER]`; the folder is `scenes` unless given. The files are committed:
 //! this is needed only to change them, and running it again gives the same bytes.
 
+mod courtyard;
 mod mesh;
 mod plates;
 mod ring;
@@ -19,5 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::write(folder.join("veach/plates.obj"), plates::obj())?;
     std::fs::write(folder.join("sun-sky/ring.obj"), ring::obj())?;
     sky::write(&folder.join("sun-sky/sky.exr"))?;
-    Ok(())
+    std::fs::create_dir_all(folder.join("courtyard"))?;
+    std::fs::write(folder.join("courtyard/ball.obj"), courtyard::ball())?;
+    courtyard::write(&folder.join("courtyard"))
 }
