@@ -96,7 +96,7 @@ fn leaf(u: f64, v: f64) -> [f64; 4] {
 
 fn sign(u: f64, v: f64) -> [f64; 3] {
     let ring = ((u - 0.5).hypot(v - 0.5) - 0.32).abs() < 0.06;
-    let bar = (u - 0.5).abs() < 0.05 && v > 0.5;
+    let bar = (u - 0.5).abs() < 0.05 && (0.5..0.94).contains(&v);
     if bar {
         [0.15, 0.6, 1.0]
     } else if ring {
