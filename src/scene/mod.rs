@@ -20,6 +20,7 @@ mod notes;
 mod obj;
 mod obj_feed;
 mod obj_texcoords;
+mod polygons;
 mod surroundings;
 mod texture;
 mod toml_file;

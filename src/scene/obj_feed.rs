@@ -23,6 +23,14 @@ pub(super) struct MaterialUse {
     pub worn: bool,
 }
 
+/// Faces of the same number of corners, one after the other.
+pub(super) struct PolygonRun {
+    /// The first triangle's index in the file.
+    pub first: usize,
+    pub faces: usize,
+    pub corners: usize,
+}
+
 /// What was learnt on the way.
 #[derive(Default)]
 pub(super) struct Outline {
@@ -34,6 +42,8 @@ pub(super) struct Outline {
     pub has_bare_faces: bool,
     /// Runs of triangles (in file order) without a normal at every corner.
     pub flat: Vec<Range<usize>>,
+    /// Faces of four corners and more, in order.
+    pub polygons: Vec<PolygonRun>,
     pub triangles: usize,
     pub positions: usize,
     pub normals: usize,
@@ -212,6 +222,13 @@ impl<'a, B: BufRead> Feed<'a, B> {
         match self.current {
             Some(current) => outline.materials[current].worn = true,
             None => outline.has_bare_faces = true,
+        }
+        if corners > 3 {
+            let first = outline.triangles;
+            match outline.polygons.last_mut() {
+                Some(run) if run.corners == corners && run.first + run.faces * (corners - 2) == first => run.faces += 1,
+                _ => outline.polygons.push(PolygonRun { first, faces: 1, corners }),
+            }
         }
         outline.triangles += corners - 2;
         within_32_bits(outline.triangles, "triangles")

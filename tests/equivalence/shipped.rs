@@ -8,7 +8,8 @@ use octolux::render::thread_pool;
 use octolux::scene::{self, FilmSize, Scene};
 use std::path::Path;
 
-const NAMES: [&str; 8] = ["cornell", "course", "furnace", "isothermal", "lens", "stage", "sun-sky", "veach"];
+const NAMES: [&str; 9] =
+    ["cornell", "course", "courtyard", "furnace", "isothermal", "lens", "stage", "sun-sky", "veach"];
 
 fn load(name: &str) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).join("scene.toml");

@@ -243,3 +243,48 @@ fn files_as_others_write_them() {
     std::fs::write(files.path("a.mtl"), b"newmtl caf\xe9\nKd 1 1 1\n").expect("a file");
     assert_eq!(loaded(&files, "a.obj").materials[0].bsdf, Bsdf::Diffuse { reflectance: [1.0; 3] });
 }
+
+/// Concave faces are covered once by their triangles, wherever the file starts them and however it is placed.
+#[test]
+fn concave_faces_keep_their_shape() {
+    let bracket = [[0, 0], [6, 0], [6, 1], [1, 1], [1, 7], [0, 7]];
+    let star: Vec<[i32; 2]> = (0..10)
+        .map(|i| {
+            let (s, c) = (f64::from(i) * std::f64::consts::PI / 5.0).sin_cos();
+            let r = if i % 2 == 0 { 1000.0 } else { 300.0 };
+            [(r * c) as i32, (r * s) as i32]
+        })
+        .collect();
+    // A square with a square hole, joined by a slit.
+    let frame = [[0, 0], [9, 0], [9, 9], [0, 9], [0, 0], [3, 3], [3, 6], [6, 6], [6, 3], [3, 3]];
+    let arrow = [[0, 0], [4, 0], [1, 1], [0, 4]];
+    for ring in [&bracket[..], &star[..], &frame[..], &arrow[..]] {
+        let n = ring.len();
+        for (start, mirrors) in (0..n).flat_map(|start| [(start, false), (start, true)]) {
+            let mut obj: String = ring.iter().map(|[x, y]| format!("v {x} {y} 7\nvn {x} 0 1\n")).collect();
+            let face: String = (0..n).map(|i| format!(" {0}//{0}", (start + i) % n + 1)).collect();
+            obj.push_str(&format!("f{face}\n"));
+            let transform = if mirrors { "transform = [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]" } else { "" };
+            let toml = format!("{CAMERA}[[mesh]]\nfile = \"a.obj\"\n{transform}\n");
+            let scene = loaded(&Files::new(&[("scene.toml", &toml), ("a.obj", &obj)]), "scene.toml");
+            assert_eq!(scene.mesh.triangles.len(), n - 2);
+            let area = |p: [[f32; 3]; 3]| {
+                let edge = |i: usize, k: usize| f64::from(p[i][k]) - f64::from(p[0][k]);
+                0.5 * (edge(1, 0) * edge(2, 1) - edge(1, 1) * edge(2, 0))
+            };
+            let areas: Vec<f64> = (0..n - 2).map(|i| area(corners(&scene, i))).collect();
+            let expected: f64 = (0..n)
+                .map(|i| {
+                    let ([x0, y0], [x1, y1]) = (ring[i], ring[(i + 1) % n]);
+                    0.5 * f64::from(x0 * y1 - x1 * y0)
+                })
+                .sum();
+            // Triangles that all turn one way and sum to the area overlap nowhere.
+            assert!(areas.iter().all(|&a| a >= 0.0), "{ring:?} from {start}: {areas:?}");
+            assert!((areas.iter().sum::<f64>() - expected).abs() < 1e-6 * expected, "{ring:?} from {start}: {areas:?}");
+            for (triangle, normals) in scene.mesh.triangles.iter().zip(&scene.mesh.normal_indices) {
+                assert!(triangle.iter().zip(normals).all(|(v, n)| v == n), "normals stay with their corners");
+            }
+        }
+    }
+}

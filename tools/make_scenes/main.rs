@@ -1,9 +1,10 @@
-//! Writes the procedural parts of `scenes/`: the plates of veach, the sky and the ring of sun-sky, the
+//! Writes the procedural parts of `scenes/`: the plates of veach, the sky and the ring of sun-sky, the courtyard, the
 //! sky of course.
 //!
 //! `cargo run --release --example make_scenes [FOLDER]`; the folder is `scenes` unless given. The files are committed:
 //! this is needed only to change them, and running it again gives the same bytes.
 
+mod courtyard;
 mod mesh;
 mod plates;
 mod ring;
@@ -22,5 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder.join("course"))?;
     sky::write_without_sun(&folder.join("course/sky.exr"))?;
     sky::write(&folder.join("sun-sky/sky.exr"))?;
-    Ok(())
+    std::fs::create_dir_all(folder.join("courtyard"))?;
+    std::fs::write(folder.join("courtyard/ball.obj"), courtyard::ball())?;
+    courtyard::write(&folder.join("courtyard"))
 }
