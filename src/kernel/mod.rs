@@ -5,6 +5,7 @@
 
 mod camera;
 mod cutout;
+mod illumination;
 mod maps;
 mod material;
 mod path;
@@ -17,6 +18,7 @@ mod view;
 mod world;
 
 pub use camera::Camera;
+pub use illumination::{PixelPoint, Technique};
 pub use path::Traversal;
 pub use probe::{Lanes, NoProbe, Probe, Record, Recorder, Stage};
 pub use texture::TextureTable;

@@ -162,14 +162,14 @@ pub(super) fn tap_hit<R: Real, P: Probe>(probe: &mut P, lanes: Lanes<R>, hit: &m
 
 /// Are both on the same, strictly one, side?
 #[inline(always)]
-fn same_side<R: Real>(a: R, b: R) -> R::Mask {
+pub(super) fn same_side<R: Real>(a: R, b: R) -> R::Mask {
     (a.gt(R::zero()) & b.gt(R::zero())) | (a.lt(R::zero()) & b.lt(R::zero()))
 }
 
 /// Power heuristic for one sample of each technique, in the form that neither over- nor underflows: pdfs up to 1e30
 /// and infinity (a delta: weight 1) are fine.
 #[inline(always)]
-fn mis_weight<R: Real>(pdf: R, other: R) -> R {
+pub(super) fn mis_weight<R: Real>(pdf: R, other: R) -> R {
     let ratio = other / pdf;
     ratio.mul_add(ratio, R::one()).recip()
 }
@@ -267,7 +267,7 @@ fn add_direct_light<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
 
 /// The shadow ray of a light sample: to a point moved off its light, or to infinity.
 #[inline(always)]
-fn light_ray<R: Real>(surface: &Surface<R>, light: &LightSample<R>) -> Ray<R> {
+pub(super) fn light_ray<R: Real>(surface: &Surface<R>, light: &LightSample<R>) -> Ray<R> {
     let origin = surface.leave(light.wi);
     let to_point = shadow_ray(origin, &SurfacePoint { p: light.target, error: light.target_error }, light.ng);
     Ray {
