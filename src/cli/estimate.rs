@@ -11,6 +11,7 @@ use crate::estimate::table::csv;
 use crate::film::beside::write_beside;
 use crate::kernel::{Prepare, Width, World};
 use crate::plan::{Force, Plan};
+use crate::render::interrupt;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -139,9 +140,11 @@ pub fn run(args: &EstimateArgs) -> Result<bool, CliError> {
     }
     let methods = methods(args, &*problem).map_err(CliError::Usage)?;
     let budget = Budget { samples: samples(args, &SAMPLES), repeats: args.repeats as usize, seed: args.seed };
+    // Ctrl-C ends the study after the cell at hand: what is finished is reported.
+    interrupt::listen();
     let threads = args.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-    let study = pool.install(|| run_study(problem.quantity(), &methods, &budget, &|| false));
+    let study = pool.install(|| run_study(problem.quantity(), &methods, &budget, &|| interrupt::presses() > 0));
     output(args, &*problem, &study)?;
     Ok(true)
 }

@@ -86,10 +86,10 @@ fn warnings(study: &Study) -> Vec<String> {
     for row in &study.rows {
         if let Some(cell) = row.cells.iter().find(|c| c.biased) {
             let what = if row.claim == Claim::Unbiased { "claims to be unbiased, and is not" } else { "is biased" };
-            found.push(format!("{} {what}: {:+.3e} at {} samples.", row.method, cell.bias.value, cell.samples));
+            found.push(format!("{} {what}: {:+.3e} with n = {}.", row.method, cell.bias.value, cell.samples));
         }
         if let Some((cell, note)) = row.cells.iter().find_map(|c| Some((c, c.note.as_ref()?))) {
-            found.push(format!("{} at {} samples: {note}.", row.method, cell.samples));
+            found.push(format!("{} with n = {}: {note}.", row.method, cell.samples));
         }
     }
     found

@@ -131,7 +131,8 @@ fn uniform_or_cosine<R: Real>(
     let active = reflects(surface, wo, wi, direction);
     let eval = surface.material.eval::<AllModels>(&world.plan, wo, wi, active);
     let (incident, _) = incident(world, surface, direction, active);
-    (eval.value.hadamard(incident) * density_reciprocal).masked(active)
+    let weight = density_reciprocal * softened(world, surface, direction, wi, wo);
+    (eval.value.hadamard(incident) * weight).masked(active)
 }
 
 fn bsdf<R: Real>(
@@ -148,6 +149,7 @@ fn bsdf<R: Real>(
     let active = sample.valid & reflects(surface, wo, sample.wi, direction);
     let (incident, light_pdf) = incident(world, surface, direction, active);
     let weight = if combined { mis_weight(sample.pdf, light_pdf) } else { R::one() };
+    let weight = weight * softened(world, surface, direction, sample.wi, wo);
     (sample.weight.hadamard(incident) * weight).masked(active)
 }
 
@@ -176,7 +178,14 @@ fn light<R: Real>(
         GeometryMode::Tree => world.occluded::<R, Shadow>(&ray, active),
     };
     let weight = if combined { mis_weight(light.pdf, eval.pdf) } else { R::one() };
+    let weight = weight * softened(world, surface, light.wi, wi, wo);
     (eval.value.hadamard(light.radiance) * (weight / light.pdf)).masked(active & !occluded)
+}
+
+/// The shadow terminator, as the path estimator has it.
+#[inline(always)]
+fn softened<R: Real>(world: &World, surface: &Surface<R>, direction: Vec3<R>, wi: Vec3<R>, wo: Vec3<R>) -> R {
+    if world.plan.shading_normals { surface.terminator(direction, wi.z, wo.z) } else { R::one() }
 }
 
 /// Radiance of what a direction sees, if it emits, and the density with which light sampling finds it.

@@ -4,6 +4,7 @@ mod budgets;
 mod check;
 mod converge;
 mod errors;
+mod estimate;
 mod render;
 mod state;
 

@@ -59,7 +59,7 @@ pub fn gp_line(f: &Expression, truth: &Quantity, counts: &[usize], seed: u64) ->
             ]);
             plots.push((format!("posterior-{k}-{n}"), posterior(covariance, f, &x, &y)?));
         }
-        let prose = format!("{name}: bands are two standard deviations; the scale σ_f is estimated from the values.");
+        let prose = "Bands are two standard deviations; the scale σ_f is estimated from the values.".to_owned();
         sections.push(Part { title: name.to_owned(), prose, plots, ..Part::default() });
     }
     let prose = format!(

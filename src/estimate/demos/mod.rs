@@ -78,7 +78,9 @@ impl fmt::Display for Demonstration {
         writeln!(f, "{}: {}", self.title, self.lead)?;
         for part in &self.sections {
             writeln!(f, "\n{}. {}", part.title, part.prose)?;
-            write_table(f, &part.table)?;
+            if !part.table.rows.is_empty() {
+                write_table(f, &part.table)?;
+            }
         }
         Ok(())
     }
