@@ -1,13 +1,17 @@
 //! `octolux estimate`: an estimator's error against samples and run time, on problems with known answers.
 
 use super::CliError;
+use crate::estimate::demos::{self, Demonstration};
 use crate::estimate::expression::Expression;
 use crate::estimate::method::Method;
+use crate::estimate::page;
 use crate::estimate::problems::{self, Problem, Wanted};
-use crate::estimate::study::{Budget, Study, run as run_study};
+use crate::estimate::study::{Budget, Quantity, Study, run as run_study};
 use crate::estimate::table::csv;
 use crate::film::beside::write_beside;
-use crate::kernel::Width;
+use crate::kernel::{Prepare, Width, World};
+use crate::plan::{Force, Plan};
+use crate::render::interrupt;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -17,8 +21,8 @@ pub struct EstimateArgs {
     /// Methods to compare; `--methods help` lists those of the problem
     #[arg(long, value_delimiter = ',')]
     methods: Vec<String>,
-    /// Numbers of samples of an estimate
-    #[arg(long, value_delimiter = ',', default_value = "1,4,16,64,256,1024,4096", value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    /// Numbers of samples of an estimate [default: 1,4,16,64,256,1024,4096; 2,4,8 for gp-1d, 5 for ohagan]
+    #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     samples: Vec<u32>,
     /// Independent estimates of each kind
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
@@ -26,7 +30,7 @@ pub struct EstimateArgs {
     /// Picks the random numbers
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Folder for study.json and errors.csv; made if it is not there
+    /// Folder for report.html, study.json, errors.csv and the plots as SVG; made if it is not there
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Write the study as JSON; `-` is standard output
@@ -69,6 +73,12 @@ struct ProblemArgs {
     /// hemisphere: which of the random skies
     #[arg(long, default_value_t = 0)]
     sky: u64,
+    /// illumination: the scene
+    #[arg(long, value_name = "SCENE.toml")]
+    scene: Option<PathBuf>,
+    /// illumination: column and row of the pixel, from the top left [default: the middle]
+    #[arg(long, value_name = "X,Y", value_parser = super::replay::parse_pixel)]
+    pixel: Option<(u32, u32)>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -87,6 +97,15 @@ enum ProblemName {
     CubeD,
     /// An integral over the hemisphere (--f, --exponent, --sky)
     Hemisphere,
+    /// The light that a pixel of a scene reflects (--scene, --pixel)
+    Illumination,
+    /// V[ΣX], V[aX]: rules of variance, by dice
+    VarianceRules,
+    /// A Gaussian process on [0, 1]: prior, posterior, integral (--f)
+    #[value(name = "gp-1d")]
+    Gp1d,
+    /// O'Hagan's objections to Monte Carlo (--f)
+    Ohagan,
 }
 
 fn parse_range(text: &str) -> Result<[f64; 2], String> {
@@ -102,7 +121,17 @@ fn parse_two(text: &str, separator: char) -> Option<[f64; 2]> {
     Some([a.trim().parse().ok()?, b.trim().parse().ok()?])
 }
 
+/// Numbers of samples where none are asked for.
+const SAMPLES: [usize; 7] = [1, 4, 16, 64, 256, 1024, 4096];
+
 pub fn run(args: &EstimateArgs) -> Result<bool, CliError> {
+    if let Some(folder) = &args.output {
+        std::fs::create_dir_all(folder).map_err(|source| CliError::Write { path: folder.clone(), source })?;
+    }
+    if let Some(demonstration) = demonstration(args).transpose().map_err(CliError::Usage)? {
+        show(args, &demonstration)?;
+        return Ok(true);
+    }
     let problem = problem(args).map_err(CliError::Usage)?;
     if args.methods.iter().any(|m| m == "help") {
         let (names, defaults) = problem.method_names();
@@ -110,18 +139,75 @@ pub fn run(args: &EstimateArgs) -> Result<bool, CliError> {
         return Ok(true);
     }
     let methods = methods(args, &*problem).map_err(CliError::Usage)?;
-    if let Some(folder) = &args.output {
-        std::fs::create_dir_all(folder).map_err(|source| CliError::Write { path: folder.clone(), source })?;
-    }
-    let mut samples: Vec<usize> = args.samples.iter().map(|&n| n as usize).collect();
-    samples.sort_unstable();
-    samples.dedup();
-    let budget = Budget { samples, repeats: args.repeats as usize, seed: args.seed };
+    let budget = Budget { samples: samples(args, &SAMPLES), repeats: args.repeats as usize, seed: args.seed };
+    // Ctrl-C ends the study after the cell at hand: what is finished is reported.
+    interrupt::listen();
     let threads = args.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-    let study = pool.install(|| run_study(problem.quantity(), &methods, &budget, &|| false));
+    let study = pool.install(|| run_study(problem.quantity(), &methods, &budget, &|| interrupt::presses() > 0));
     output(args, &*problem, &study)?;
     Ok(true)
+}
+
+/// Those asked for, in rising order, each once.
+fn samples(args: &EstimateArgs, default: &[usize]) -> Vec<usize> {
+    let mut samples: Vec<usize> = args.samples.iter().map(|&n| n as usize).collect();
+    if samples.is_empty() {
+        samples = default.to_vec();
+    }
+    samples.sort_unstable();
+    samples.dedup();
+    samples
+}
+
+/// What is shown instead of studied, if that is what was asked for.
+fn demonstration(args: &EstimateArgs) -> Option<Result<Demonstration, String>> {
+    let named = |default: &str| args.of.f.clone().unwrap_or_else(|| default.to_owned());
+    let of_function = |name: String, counts: Vec<usize>, show: fn(&Expression, &Quantity, &[usize], u64) -> _| {
+        if let Some(many) = counts.iter().find(|&&n| n > 512) {
+            return Err(format!("{many} samples are more than this can show; give --samples up to 512"));
+        }
+        let quantity = problems::interval(&name, [0.0, 1.0], None, Width::One)?.quantity;
+        let expression = Expression::parse(problems::interval_expression(&name))?;
+        show(&expression, &quantity, &counts, args.seed)
+    };
+    match args.problem {
+        ProblemName::VarianceRules => Some(Ok(demos::variance_rules(args.repeats as usize, args.seed))),
+        ProblemName::Gp1d => Some(of_function(named("sin(2*PI*x)+x"), samples(args, &[2, 4, 8]), |f, q, n, seed| {
+            demos::gp_line(f, q, n, seed)
+        })),
+        ProblemName::Ohagan => Some(of_function(named("exp"), samples(args, &[5]), |f, q, n, seed| {
+            demos::ohagan(f, q, n.first().copied().unwrap_or(5), seed)
+        })),
+        _ => None,
+    }
+}
+
+fn show(args: &EstimateArgs, demonstration: &Demonstration) -> Result<(), CliError> {
+    let json = serde_json::to_string_pretty(&demonstration.json()).map_err(|e| CliError::Usage(e.to_string()))? + "\n";
+    if let Some(folder) = &args.output {
+        write(&folder.join("report.html"), &demonstration.page(&command()).html())?;
+        write(&folder.join("study.json"), &json)?;
+        write(&folder.join("tables.csv"), &demonstration.csv())?;
+        for (name, plot) in demonstration.sections.iter().flat_map(|part| &part.plots) {
+            write(&folder.join(format!("{name}.svg")), &plot.svg_file())?;
+        }
+    }
+    print_or_write(args, &json, || print!("{demonstration}"))
+}
+
+/// The command line that was given, for the report.
+fn command() -> String {
+    std::iter::once("octolux".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" ")
+}
+
+fn illumination(of: &ProblemArgs, seed: u64, width: Width) -> Result<Box<dyn Problem>, String> {
+    let path = of.scene.as_ref().ok_or("illumination is of a scene: give --scene SCENE.toml")?;
+    let scene = crate::scene::load(path).map_err(|e| e.to_string())?;
+    let plan = Plan::new(&scene, Force::default(), false);
+    let world = World::new(&scene, plan, Prepare { seed, ..Prepare::default() }).map_err(|e| e.to_string())?;
+    let (x, y) = of.pixel.unwrap_or((world.film.width / 2, world.film.height / 2));
+    Ok(Box::new(problems::illumination(world, &scene.name, [x, y], width)?))
 }
 
 fn problem(args: &EstimateArgs) -> Result<Box<dyn Problem>, String> {
@@ -146,6 +232,10 @@ fn problem(args: &EstimateArgs) -> Result<Box<dyn Problem>, String> {
         }
         ProblemName::Interval => Box::new(problems::interval(&named("exp"), range, of.density.as_deref(), width)?),
         ProblemName::CubeD => Box::new(problems::cube(&named("sine"), of.dimensions, width)?),
+        ProblemName::Illumination => illumination(of, args.seed, width)?,
+        ProblemName::VarianceRules | ProblemName::Gp1d | ProblemName::Ohagan => {
+            return Err("this is shown, not studied".into());
+        }
         ProblemName::Hemisphere => Box::new(problems::hemisphere(&named("cosine"), of.exponent, of.sky, width)?),
     })
 }
@@ -166,17 +256,28 @@ fn output(args: &EstimateArgs, problem: &dyn Problem, study: &Study) -> Result<(
     if let Some(folder) = &args.output {
         write(&folder.join("study.json"), &json)?;
         write(&folder.join("errors.csv"), &csv(study))?;
+        write(&folder.join("report.html"), &page::page(study, &problem.notes(), &command()).html())?;
+        for (name, plot) in page::plots(study) {
+            write(&folder.join(format!("{name}.svg")), &plot.svg_file())?;
+        }
     }
+    print_or_write(args, &json, || {
+        print!("{study}");
+        problem.notes().iter().for_each(|note| println!("{note}"));
+    })
+}
+
+/// JSON where it was asked for, and the text unless standard output carries the JSON.
+fn print_or_write(args: &EstimateArgs, json: &str, text: impl FnOnce()) -> Result<(), CliError> {
     match args.json.as_deref() {
         Some(path) if path.as_os_str() == "-" => {
             print!("{json}");
             return Ok(());
         }
-        Some(path) => write(path, &json)?,
+        Some(path) => write(path, json)?,
         None => {}
     }
-    print!("{study}");
-    problem.notes().iter().for_each(|note| println!("{note}"));
+    text();
     Ok(())
 }
 

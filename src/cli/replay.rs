@@ -25,7 +25,7 @@ pub struct ReplayArgs {
     bits: bool,
 }
 
-fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
+pub fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
     text.split_once(',')
         .and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)))
         .ok_or_else(|| "write COLUMN,ROW, as in 120,64".to_string())

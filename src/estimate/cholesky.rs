@@ -57,6 +57,11 @@ impl Cholesky {
         x
     }
 
+    /// L x: of standard normal x, numbers with covariance Q.
+    pub fn times(&self, x: &[f64]) -> Vec<f64> {
+        (0..self.n).map(|i| dot(self.row(i), &x[..=i])).collect()
+    }
+
     /// bᵀ Q⁻¹ b.
     pub fn quadratic(&self, b: &[f64]) -> f64 {
         let half = self.forward(b);

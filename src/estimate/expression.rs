@@ -6,7 +6,8 @@ use exmex::{Express, FlatEx};
 #[derive(Clone, Debug)]
 pub struct Expression {
     text: String,
-    parsed: FlatEx<f64>,
+    /// Boxed: it is some 20 kB.
+    parsed: Box<FlatEx<f64>>,
     constant: bool,
 }
 
@@ -25,7 +26,7 @@ impl Expression {
             return Err(format!("{text:?} speaks of {unknown:?}; the only variable is x"));
         }
         let constant = names.is_empty();
-        Ok(Self { text: text.to_owned(), parsed, constant })
+        Ok(Self { text: text.to_owned(), parsed: Box::new(parsed), constant })
     }
 
     /// NaN where it has no value.

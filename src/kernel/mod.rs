@@ -6,6 +6,7 @@
 mod camera;
 mod cutout;
 mod gather;
+mod illumination;
 mod maps;
 mod material;
 mod path;
@@ -20,6 +21,7 @@ mod world;
 
 pub use camera::Camera;
 pub use gather::GatherReport;
+pub use illumination::{PixelPoint, Technique};
 pub use path::Traversal;
 pub use probe::{Lanes, NoProbe, Probe, Record, Recorder, Stage};
 pub use texture::TextureTable;

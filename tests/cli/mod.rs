@@ -6,6 +6,7 @@ mod converge;
 mod errors;
 mod info;
 mod ladder;
+mod estimate;
 mod render;
 mod replay;
 mod state;

@@ -2,8 +2,10 @@
 
 mod bmc;
 mod bmc_posterior;
+mod demos;
 mod gather;
 mod hemisphere;
+mod illumination;
 mod study;
 mod truths;
 

@@ -20,10 +20,10 @@ impl Covariance {
     /// Is it a covariance? Else what its parameter must be.
     pub fn check(self) -> Result<Self, String> {
         match self {
-            Self::SquaredExponential { length } if !(length >= 0.01 && length <= 100.0) => {
+            Self::SquaredExponential { length } if !(0.01..=100.0).contains(&length) => {
                 Err(format!("a length-scale of {length}; give one from 0.01 to 100 (of the chord of the unit sphere)"))
             }
-            Self::Sobolev { smoothness } if !(smoothness >= 1.05 && smoothness <= 1.95) => {
+            Self::Sobolev { smoothness } if !(1.05..=1.95).contains(&smoothness) => {
                 Err(format!("a smoothness of {smoothness}; give one from 1.05 to 1.95"))
             }
             _ => Ok(self),

@@ -190,18 +190,17 @@ pub(super) fn scale(factor: &Cholesky, y: &[f64], mean: Mean) -> Option<f64> {
 fn distinct_points(system: &System) -> Vec<usize> {
     let n = system.z.len();
     let mut first: Vec<usize> = Vec::with_capacity(n);
-    let mut number = vec![0; n];
-    for i in 0..n {
+    let number = |i: usize| {
         let same = |&j: &usize| {
             let k = system.gram[i * n + j];
             k == system.gram[i * n + i] && k == system.gram[j * n + j] && system.z[i] == system.z[j]
         };
-        number[i] = first.iter().position(|j| same(j)).unwrap_or_else(|| {
+        first.iter().position(same).unwrap_or_else(|| {
             first.push(i);
             first.len() - 1
-        });
-    }
-    number
+        })
+    };
+    (0..n).map(number).collect()
 }
 
 fn reduce(system: &System, distinct: &[usize]) -> System {

@@ -13,6 +13,11 @@ use std::sync::Arc;
 /// How far probabilities may sum from 1: what a user's decimals lose.
 const SUM_TOLERANCE: f64 = 1e-6;
 
+/// False for a NaN.
+fn is_one(sum: f64, tolerance: f64) -> bool {
+    (sum - 1.0).abs() <= tolerance
+}
+
 /// Values in the order given, each with the probability of it and all before it.
 struct Table(Vec<[f64; 2]>);
 
@@ -32,11 +37,11 @@ impl Integrand for Table {
 /// # Errors
 /// The table is empty, a probability is negative, or they do not sum to 1.
 pub fn discrete(name: &str, table: &[[f64; 2]], width: Width) -> Result<UnitProblem, String> {
-    if let Some(row) = table.iter().find(|row| !row[0].is_finite() || !(row[1] >= 0.0)) {
+    if let Some(row) = table.iter().find(|row| !row[0].is_finite() || !(0.0..=f64::MAX).contains(&row[1])) {
         return Err(format!("{}:{} in the table; values are finite, probabilities 0 or more", row[0], row[1]));
     }
     let sum: f64 = table.iter().map(|row| row[1]).sum();
-    if !((sum - 1.0).abs() <= SUM_TOLERANCE) {
+    if !is_one(sum, SUM_TOLERANCE) {
         return Err(format!("the probabilities sum to {sum}; make them sum to 1"));
     }
     let mean = table.iter().map(|row| row[0] * row[1]).sum::<f64>() / sum;
@@ -105,7 +110,7 @@ impl Density {
             cumulated.push([edge(i + 1), below]);
         }
         let (total, error) = integrate(|x| p.at(x), range);
-        if !((total - 1.0).abs() <= SUM_TOLERANCE.max(error)) {
+        if !is_one(total, SUM_TOLERANCE.max(error)) {
             return Err(format!(
                 "{:?} integrates to {total} over [{}, {}]; a density integrates to 1",
                 p.text(),

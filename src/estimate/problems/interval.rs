@@ -25,6 +25,11 @@ const KNOWN: [Known; 6] = [
 /// The names that [`interval`] knows.
 pub const INTERVAL_FUNCTIONS: [&str; 6] = [KNOWN[0].0, KNOWN[1].0, KNOWN[2].0, KNOWN[3].0, KNOWN[4].0, KNOWN[5].0];
 
+/// The expression behind a name; any other text is its own.
+pub fn interval_expression(name: &str) -> &str {
+    KNOWN.iter().find(|k| k.0 == name).map_or(name, |k| k.1)
+}
+
 /// f at a point of the interval, times the length.
 struct Uniform {
     f: Arc<Expression>,

@@ -3,13 +3,15 @@
 mod cube;
 mod distribution;
 mod hemisphere;
+mod illumination;
 mod interval;
 mod unit_problem;
 
 pub use cube::{CUBE_FUNCTIONS, cube, pi};
 pub use distribution::{Wanted, continuous, discrete};
 pub use hemisphere::{Density, Field, HEMISPHERE_FUNCTIONS, Hemisphere, Lobe, Sky, hemisphere, integrate};
-pub use interval::{INTERVAL_FUNCTIONS, interval};
+pub use illumination::{Illumination, illumination};
+pub use interval::{INTERVAL_FUNCTIONS, interval, interval_expression};
 pub use unit_problem::UnitProblem;
 
 use super::method::Method;

@@ -93,9 +93,8 @@ fn weighted<R: Real>(set: &PointSet, n: usize, turn: f32, field: &Field, over_co
         let [x, y, z] = [0, 1, 2].map(|axis| R::load(&set.directions[axis][first..]));
         let turned = Vec3::new(cos.mul_add(x, -(sin * y)), sin.mul_add(x, cos * y), z);
         let value = field.lanes(turned, over_cosine);
-        let weight = &set.weights[first..];
-        for lane in 0..R::WIDTH.min(n - first) {
-            sum += f64::from(weight[lane]) * f64::from(value.lane(lane));
+        for (lane, weight) in set.weights[first..n].iter().take(R::WIDTH).enumerate() {
+            sum += f64::from(*weight) * f64::from(value.lane(lane));
         }
     }
     sum

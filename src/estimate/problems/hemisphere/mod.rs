@@ -77,7 +77,7 @@ pub struct Hemisphere {
 /// # Errors
 /// There is no such function.
 pub fn hemisphere(name: &str, exponent: f64, seed: u64, width: Width) -> Result<Hemisphere, String> {
-    if !(exponent >= 0.0 && exponent <= 1000.0) {
+    if !(0.0..=1000.0).contains(&exponent) {
         return Err(format!("an exponent of {exponent}; give one from 0 to 1000"));
     }
     let sky = |edit: fn(Sky, u64) -> Sky| Field::Sky(edit(Sky::random(seed), seed));
