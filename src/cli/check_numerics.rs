@@ -40,7 +40,7 @@ pub fn run(args: &NumericsArgs, json: bool) -> Result<bool, CliError> {
         return Err(CliError::Usage(format!("no group `{only}`; there are {}", names.join(", "))));
     }
     if !json {
-        println!("| case | tried | worst | bound | |\n|---|---|---|---|---|");
+        println!("| case | tried | worst | bound | | textbook form |\n|---|---|---|---|---|---|");
     }
     let report = numerics::run(args.effort(), only, &pool, |rows| {
         if !json {
@@ -61,7 +61,8 @@ fn print_row(row: &Row) {
     let at = if row.at.is_empty() || row.worst == 0.0 { String::new() } else { format!(" at {}", row.at) };
     let verdict = if row.pass { "pass" } else { "FAIL" };
     let (worst, bound) = (number(row.worst), number(row.bound));
-    println!("| {}: {} | {} | {worst} {}{at} | {bound} | {verdict} |", row.group, row.case, row.count, row.unit);
+    let Row { group, case, count, unit, naive, .. } = row;
+    println!("| {group}: {case} | {count} | {worst} {unit}{at} | {bound} | {verdict} | {naive} |");
 }
 
 /// Four digits.
