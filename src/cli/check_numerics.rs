@@ -9,7 +9,7 @@ pub struct NumericsArgs {
     /// Instead of a scene: run the catalogue of stiff and extreme cases on this build and CPU
     #[arg(long, conflicts_with = "SceneArgs")]
     numerics: bool,
-    /// With --numerics: all 2³² arguments of the lane functions, 10⁹ pairs, 10⁷ rays a case; takes minutes
+    /// With --numerics: all 2³² arguments of the lane functions, 10⁹ pairs, 10⁷ rays; takes some twenty minutes
     #[arg(long, requires = "numerics", conflicts_with_all = ["quick", "SceneArgs"])]
     full: bool,
     /// With --numerics: seconds, fewer samples of the same cases

@@ -77,7 +77,7 @@ fn many(emitters: usize, draws: usize) -> Row {
             Emitter { primitive: i as u32, shape: EmitterShape::Triangle { p0: rng.point(1.0), e1, e2 }, radiance }
         })
         .collect();
-    let Ok(lights) = Lights::build(lights, &[], None) else {
+    let Ok(lights) = Lights::build(lights, None) else {
         return Row::never(GROUP, "many emitters", 0, 1, "tables that cannot be built");
     };
     let job = |job: usize| {

@@ -35,7 +35,7 @@ pub enum Effort {
     Quick,
     /// Half a minute on two cores: for anyone, and CI.
     Strided,
-    /// All 2³² arguments of the lane functions, 10⁹ pairs, 10⁷ and more rays a case: minutes.
+    /// All 2³² arguments of the lane functions, 10⁹ pairs, 10⁷ rays at edges and corners: some twenty minutes.
     Full,
 }
 

@@ -47,7 +47,7 @@ impl Shape {
     }
 
     /// The cube [−1, 1]³, each face cut along `cuts` (ascending, from −1 to 1) on both of its axes; vertices are equal
-    /// where they meet, not shared.
+    /// where they meet, not shared. Faces look inwards.
     pub fn cube(cuts: &[f64]) -> Self {
         let mut cube = Shape::default();
         for face in 0..6 {
@@ -58,8 +58,9 @@ impl Shape {
                 v
             };
             for (a, b) in cuts.windows(2).flat_map(|a| cuts.windows(2).map(move |b| (a, b))) {
-                cube.push([point(a[0], b[0]), point(a[1], b[0]), point(a[0], b[1])]);
-                cube.push([point(a[1], b[0]), point(a[1], b[1]), point(a[0], b[1])]);
+                let inwards = |[p, q, r]: [[f64; 3]; 3]| if face % 2 == 0 { [p, q, r] } else { [p, r, q] };
+                cube.push(inwards([point(a[0], b[0]), point(a[1], b[0]), point(a[0], b[1])]));
+                cube.push(inwards([point(a[1], b[0]), point(a[1], b[1]), point(a[0], b[1])]));
             }
         }
         cube
@@ -104,10 +105,11 @@ pub fn scene(
     look_at[2] = look_at[2].next_down() - 1.0;
     Scene {
         name: "catalogue".into(),
-        camera: Camera { position, look_at, up: [0.0, 1.0, 0.0], vfov: 90.0 },
+        camera: Camera { position, look_at, up: [0.0, 1.0, 0.0], vfov: 90.0, lens_radius: 0.0, focus_distance: 1.0 },
         film: FilmSize { width: 8, height: 8 },
         integrator: Integrator { kind: IntegratorKind::Path, max_bounces: 7, max_depth: 1.0 },
         environment: None,
+        delta_lights: Vec::new(),
         mesh: Mesh { material: vec![0; triangles.len()], positions, triangles, ..Mesh::default() },
         spheres: spheres.into_iter().map(|(center, radius)| Sphere { center, radius, material: 0 }).collect(),
         materials: vec![white],

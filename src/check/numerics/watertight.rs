@@ -15,7 +15,7 @@ pub fn rows(effort: Effort) -> Vec<Row> {
     let ball = Shape::ball(10, 0.1);
     let origin = [0.0; 3];
     let far = [148_376.0, 1234.0, -223_423.0];
-    let many = effort.pick(20_000, 200_000, 10_000_000);
+    let many = effort.pick(10_000, 100_000, 1_200_000);
     let powers: Vec<f64> = [-60, -45, -30, -15, 15, 30, 45, 60].map(|k| f64::from(k).exp2()).to_vec();
     let decimal = vec![1e-15, 1e15];
     let mut rows = Vec::new();
