@@ -100,7 +100,8 @@ pub fn scene(
     spheres: Vec<([f32; 3], f32)>,
     position: [f32; 3],
 ) -> Scene {
-    let white = Material { name: "white".into(), bsdf: Bsdf::Diffuse { reflectance: [1.0; 3] }, emission: [0.0; 3] };
+    let bsdf = Bsdf::Diffuse { reflectance: [1.0; 3] };
+    let white = Material { name: "white".into(), bsdf, ..Material::default() };
     let mut look_at = position;
     look_at[2] = look_at[2].next_down() - 1.0;
     Scene {
