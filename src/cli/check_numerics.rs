@@ -9,7 +9,7 @@ pub struct NumericsArgs {
     /// Instead of a scene: run the catalogue of stiff and extreme cases on this build and CPU
     #[arg(long, conflicts_with = "SceneArgs")]
     numerics: bool,
-    /// With --numerics: all 2³² arguments of the lane functions, 10⁹ pairs, 10⁷ rays a case; takes minutes
+    /// With --numerics: all 2³² arguments of the lane functions, 10⁹ pairs, 10⁷ rays; takes some twenty minutes
     #[arg(long, requires = "numerics", conflicts_with_all = ["quick", "SceneArgs"])]
     full: bool,
     /// With --numerics: seconds, fewer samples of the same cases
@@ -40,7 +40,7 @@ pub fn run(args: &NumericsArgs, json: bool) -> Result<bool, CliError> {
         return Err(CliError::Usage(format!("no group `{only}`; there are {}", names.join(", "))));
     }
     if !json {
-        println!("| case | tried | worst | bound | |\n|---|---|---|---|---|");
+        println!("| case | tried | worst | bound | | textbook form |\n|---|---|---|---|---|---|");
     }
     let report = numerics::run(args.effort(), only, &pool, |rows| {
         if !json {
@@ -61,7 +61,8 @@ fn print_row(row: &Row) {
     let at = if row.at.is_empty() || row.worst == 0.0 { String::new() } else { format!(" at {}", row.at) };
     let verdict = if row.pass { "pass" } else { "FAIL" };
     let (worst, bound) = (number(row.worst), number(row.bound));
-    println!("| {}: {} | {} | {worst} {}{at} | {bound} | {verdict} |", row.group, row.case, row.count, row.unit);
+    let Row { group, case, count, unit, naive, .. } = row;
+    println!("| {group}: {case} | {count} | {worst} {unit}{at} | {bound} | {verdict} | {naive} |");
 }
 
 /// Four digits.

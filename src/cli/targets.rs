@@ -32,13 +32,16 @@ pub struct Facts {
     pub stopped_by: StoppedBy,
 }
 
-/// The folders of these files exist.
+/// The folders of these files exist, and they are no folders themselves: to be known before anything is rendered.
 pub fn check_folders<'a>(files: impl IntoIterator<Item = &'a Path>) -> Result<(), CliError> {
     for path in files {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         if !folder.is_dir() {
             let (path, folder) = (path.display(), folder.display());
             return Err(CliError::Usage(format!("{path}: there is no folder {folder}; create it")));
+        }
+        if path.is_dir() {
+            return Err(CliError::Usage(format!("{}: is a folder; name a file", path.display())));
         }
     }
     Ok(())

@@ -21,7 +21,7 @@ use crate::sampling::{Frame, Sampler};
 
 /// Roulette begins after this many scattering events.
 const ROULETTE_AFTER: f32 = 5.0;
-/// No path survives roulette more surely than this.
+/// No path survives roulette more surely than this, unless it carries more than it started with.
 const MAX_SURVIVAL: f32 = 0.95;
 
 /// How a kernel finds geometry.
@@ -313,7 +313,10 @@ fn scatter<R: Real, S: ShadingKind, P: Probe>(
 }
 
 /// Russian roulette (Arvo & Kirk 1990): from the fifth scattering event on a path survives with probability
-/// min(max β·η², 0.95) and carries 1/probability.
+/// min(max β·η², 0.95) and carries 1/probability; with 1 where β·η² is above 1.
+///
+/// With the cap alone β would grow by 1/0.95 an event in a white room: almost every path ends early, few carry nearly
+/// everything, and the variance has no bound (`check --numerics`, white cavity, prints what that gives).
 #[inline(always)]
 fn roulette<R: Real, P: Probe>(paths: &mut Paths<R>, u: R, probe: &mut P) {
     let events = paths.bounce + R::one();
@@ -321,7 +324,8 @@ fn roulette<R: Real, P: Probe>(paths: &mut Paths<R>, u: R, probe: &mut P) {
     if plays.none() {
         return;
     }
-    let survival = (paths.beta.max_component() * paths.eta_squared).min_or(R::splat(MAX_SURVIVAL));
+    let carried = paths.beta.max_component() * paths.eta_squared;
+    let survival = R::select(carried.gt(R::one()), R::one(), carried.min_or(R::splat(MAX_SURVIVAL)));
     let survival = probe.tap(Stage::Roulette, paths.lanes(plays), survival);
     let survives = u.lt(survival);
     paths.alive = paths.alive & (survives | !plays);

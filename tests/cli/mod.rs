@@ -1,12 +1,13 @@
 //! The command line as a user meets it: files written, reports, exit codes, one-line errors.
 
+mod bad_input;
 mod budgets;
 mod check;
 mod converge;
 mod errors;
+mod estimate;
 mod info;
 mod ladder;
-mod estimate;
 mod render;
 mod replay;
 mod state;

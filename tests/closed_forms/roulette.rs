@@ -38,6 +38,40 @@ fn mean_and_variance_of_roulette() {
     }
 }
 
+/// Above ρ = .95 survival is capped at .95 and β then exceeds 1, which ends no path: β falls by ρ a vertex until it is below
+/// 1 again. Which β a path has at a vertex is known; with q its survival to there, E X = Σ q β and E X² = Σ Σ q(later) β β.
+/// With the cap alone β grew by ρ/.95 a vertex and the variance with it, without bound.
+#[test]
+fn roulette_of_nearly_white_mirrors_stays_bounded() {
+    const SAMPLES: u64 = 1024;
+    for (reflectance, bounces) in [(0.97f32, 600), (0.99, 600)] {
+        let film = mirrors(reflectance, bounces, SAMPLES);
+        let rho = f64::from(reflectance);
+        let (mut beta, mut alive) = (1.0, 1.0);
+        let (mut mean, mut second, mut so_far) = (0.0, 0.0, 0.0);
+        for event in 0..=bounces {
+            // The sum so far was made by everyone who is still alive.
+            second += alive * (beta * beta + 2.0 * beta * so_far);
+            mean += alive * beta;
+            so_far += beta;
+            beta *= rho;
+            if event + 1 >= 5 {
+                let survival = if beta > 1.0 { 1.0 } else { beta.min(0.95) };
+                alive *= survival;
+                beta /= survival;
+            }
+        }
+        let exact = (1.0 - rho.powi(bounces as i32 + 1)) / (1.0 - rho);
+        assert!((mean / exact - 1.0).abs() < 1e-9, "the process above is unbiased: {mean}, {exact}");
+        assert_image_mean(&format!("mirrors, ρ = {rho}"), &film, [exact; 3], rounding(exact, 10), TESTS);
+        let expected = second - mean * mean;
+        let variances: Moments = (0..SIDE * SIDE)
+            .map(|i| film.variance_of_mean(i % SIDE, i / SIDE).expect("many samples")[0] * SAMPLES as f64)
+            .collect();
+        assert_mean(&format!("variance of mirrors, ρ = {rho}"), &variances, expected, 1e-4 * expected, TESTS);
+    }
+}
+
 /// Before roulette there is nothing random at all.
 #[test]
 fn no_roulette_before_the_fifth_bounce() {

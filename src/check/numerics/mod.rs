@@ -3,11 +3,24 @@
 //! One file a concept. Each returns [`Row`]s: how many values were tried, the worst error, the bound that it must keep.
 //! Bounds are derived where the tested thing is written, or are the published ones; none was fitted to what came out.
 
+mod degenerate;
+mod emission;
+mod hit_point;
 mod lane_functions;
 mod lane_maths;
+mod leaving;
+mod naive;
+mod random;
+mod randomness;
+mod rays;
+mod rooms;
 mod row;
+mod scattering;
+mod shapes;
+mod sums;
 mod two_arguments;
 pub mod ulp;
+mod watertight;
 mod workers;
 
 pub use row::Row;
@@ -22,7 +35,7 @@ pub enum Effort {
     Quick,
     /// Half a minute on two cores: for anyone, and CI.
     Strided,
-    /// All 2³² arguments of the lane functions, 10⁹ pairs, 10⁷ and more rays a case: minutes.
+    /// All 2³² arguments of the lane functions, 10⁹ pairs, 10⁷ rays at edges and corners: some twenty minutes.
     Full,
 }
 
@@ -48,6 +61,15 @@ pub const GROUPS: &[Group] = &[
     Group { name: "workers", run: workers::rows },
     Group { name: "lane maths", run: lane_maths::rows },
     Group { name: "two arguments", run: two_arguments::rows },
+    Group { name: "watertight", run: watertight::rows },
+    Group { name: "degenerate scenes", run: degenerate::rows },
+    Group { name: "hit point", run: hit_point::rows },
+    Group { name: "leaving a surface", run: leaving::rows },
+    Group { name: "scattering", run: scattering::rows },
+    Group { name: "lights", run: emission::rows },
+    Group { name: "random numbers", run: randomness::rows },
+    Group { name: "film", run: sums::rows },
+    Group { name: "rooms", run: rooms::rows },
 ];
 
 /// The finished table.

@@ -16,6 +16,8 @@ pub struct Row {
     pub unit: &'static str,
     /// The arguments of the worst error; empty where there is none.
     pub at: String,
+    /// What the textbook form gives on the same inputs, measured in the same run; empty where there is none.
+    pub naive: String,
     pub pass: bool,
 }
 
@@ -30,7 +32,7 @@ impl Row {
         unit: &'static str,
     ) -> Self {
         let pass = worst <= bound && count > 0;
-        Self { group, case: case.to_string(), count, worst, bound, unit, at: String::new(), pass }
+        Self { group, case: case.to_string(), count, worst, bound, unit, at: String::new(), naive: String::new(), pass }
     }
 
     /// How often something happened that must never.
@@ -40,6 +42,11 @@ impl Row {
 
     pub fn at(mut self, at: impl Display) -> Self {
         self.at = at.to_string();
+        self
+    }
+
+    pub fn naive(mut self, naive: impl Display) -> Self {
+        self.naive = naive.to_string();
         self
     }
 
