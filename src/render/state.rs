@@ -68,6 +68,9 @@ pub enum StateError {
     Merge { path: PathBuf, why: crate::film::MergeError },
 }
 
+/// What of an origin is compared, as a person reads it.
+type Fact = fn(&Origin) -> String;
+
 impl Origin {
     /// Refuses a state whose origin differs from this one.
     ///
@@ -80,7 +83,7 @@ impl Origin {
         let version = |origin: &Origin| origin.version.clone();
         let scene = |origin: &Origin| origin.fingerprint.clone();
         let sampler = |origin: &Origin| origin.sampler.name().to_string();
-        let facts: [(_, fn(&Origin) -> String, String); 6] = [
+        let facts: [(_, Fact, String); 6] = [
             ("version of octolux", version, "go on with the one that began it".to_string()),
             ("size", size, format!("give --size {}", size(theirs))),
             ("seed", seed, format!("give --seed {}", theirs.seed)),

@@ -245,7 +245,7 @@ fn f32_cholesky_succeeds(q: &[f64], n: usize, jitter: f64) -> bool {
                 sum -= l[i * n + k] * l[j * n + k];
             }
             if i == j {
-                if !(sum > 0.0) {
+                if sum.is_nan() || sum <= 0.0 {
                     return false;
                 }
                 l[i * n + i] = sum.sqrt();

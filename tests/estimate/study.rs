@@ -24,12 +24,12 @@ fn everything(width: Width, samples: &[usize], repeats: usize) -> Vec<Study> {
         Box::new(hemisphere("sky", 1.0, 3, width).unwrap()),
         Box::new(hemisphere("edge", 1.0, 3, width).unwrap()),
     ];
-    let run = |p: &Box<dyn Problem>| {
+    let run = |p: &dyn Problem| {
         let (names, defaults) = p.method_names();
         let names: Vec<&str> = names[..defaults].iter().map(String::as_str).collect();
-        study(&**p, &names, samples, repeats, 11)
+        study(p, &names, samples, repeats, 11)
     };
-    problems.iter().map(run).collect()
+    problems.iter().map(|p| run(&**p)).collect()
 }
 
 /// 2,000 estimates of each kind: a bias of 4.5 of their standard deviations over √2000 = 45 is seen.

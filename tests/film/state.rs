@@ -120,15 +120,18 @@ fn a_small_file_cannot_ask_for_much_memory() {
     }
 }
 
+type Change = fn(&mut Origin);
+
 #[test]
 fn another_version_is_refused_and_so_is_another_scene() {
     let origin = head(&film(FilmChannels::Colour)).origin;
     let path = Path::new("a.state");
     assert!(origin.admit(&origin, path).is_ok());
-    let changes: [(&str, fn(&mut Origin)); 5] = [
+    let changes: [(&str, Change); 6] = [
         ("version", |o| o.version = "9".into()),
         ("scene", |o| o.fingerprint = "e".into()),
         ("seed", |o| o.seed = 8),
+        ("sampler", |o| o.sampler = octolux::sampling::SamplerKind::Independent),
         ("size", |o| o.width += 1),
         ("channels", |o| o.aovs = true),
     ];

@@ -19,8 +19,8 @@ fn agrees_with_one_lane<R: Real>() {
     for start in [0u32, 5, 1 << 20, u32::MAX - 40] {
         let index = R::Bits::from_fn(|lane| start.wrapping_add(3 * lane as u32));
         let key = Key::<R>::from_fn(|lane| keys[lane]);
-        for lane in 0..R::WIDTH {
-            let (one, alone) = (One::splat(index.lane(lane)), Key::<f32>::from_fn(|_| keys[lane]));
+        for (lane, own) in keys.iter().enumerate() {
+            let (one, alone) = (One::splat(index.lane(lane)), Key::<f32>::from_fn(|_| *own));
             for set in [0, 1, 77] {
                 let (many, few) = (sobol::owen_2d::<R>(index, key, set), sobol::owen_2d::<f32>(one, alone, set));
                 (0..2).for_each(|d| assert_eq!(many[d].lane(lane), value(few[d])));
