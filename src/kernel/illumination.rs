@@ -69,19 +69,17 @@ impl PixelPoint {
     pub fn sample<R: Real>(&self, world: &World, technique: Technique, u: [R; 6]) -> R {
         let all = R::Mask::splat(true);
         let (ray, hit) = self.in_all_lanes::<R>();
-        let surface = Surface::at(world, &ray, &hit, all);
+        let mut surface = Surface::at(world, &ray, &hit, all);
+        if world.plan.shading_normals {
+            surface.face(-ray.direction);
+        }
         let frame = Frame::from_normal(surface.ns);
-        let wo = frame.to_local(-ray.direction);
+        let view = View { world, wo: frame.to_local(-ray.direction), surface, frame };
         let rgb = match technique {
-            Technique::Uniform | Technique::Cosine => {
-                uniform_or_cosine(world, &surface, &frame, wo, technique, [u[0], u[1]])
-            }
-            Technique::Bsdf => bsdf(world, &surface, &frame, wo, [u[0], u[1], u[2]], false),
-            Technique::Light => light(world, &surface, &frame, wo, [u[0], u[1], u[2]], false),
-            Technique::Mis => {
-                bsdf(world, &surface, &frame, wo, [u[0], u[1], u[2]], true)
-                    + light(world, &surface, &frame, wo, [u[3], u[4], u[5]], true)
-            }
+            Technique::Uniform | Technique::Cosine => uniform_or_cosine(&view, technique, [u[0], u[1]]),
+            Technique::Bsdf => bsdf(&view, [u[0], u[1], u[2]], false),
+            Technique::Light => light(&view, [u[0], u[1], u[2]], false),
+            Technique::Mis => bsdf(&view, [u[0], u[1], u[2]], true) + light(&view, [u[3], u[4], u[5]], true),
         };
         // Rec. 709.
         let weights = Vec3::splat([0.2126, 0.7152, 0.0722]);
@@ -101,6 +99,14 @@ impl PixelPoint {
     }
 }
 
+/// The point in all lanes, as the viewer sees it.
+struct View<'a, R: Real> {
+    world: &'a World,
+    surface: Surface<R>,
+    frame: Frame<R>,
+    wo: Vec3<R>,
+}
+
 fn closest<R: Real>(world: &World, ray: &Ray<R>, active: R::Mask) -> Hit<R> {
     match world.plan.geometry {
         GeometryMode::Brute => world.closest::<R, Brute>(ray, active),
@@ -114,14 +120,8 @@ fn reflects<R: Real>(surface: &Surface<R>, wo: Vec3<R>, wi: Vec3<R>, direction: 
     same_side(wo.z, wi.z) & same_side(wi.z, surface.ng.dot(direction))
 }
 
-fn uniform_or_cosine<R: Real>(
-    world: &World,
-    surface: &Surface<R>,
-    frame: &Frame<R>,
-    wo: Vec3<R>,
-    technique: Technique,
-    u: [R; 2],
-) -> Vec3<R> {
+fn uniform_or_cosine<R: Real>(view: &View<R>, technique: Technique, u: [R; 2]) -> Vec3<R> {
+    let &View { world, ref surface, ref frame, wo } = view;
     let cosine = technique == Technique::Cosine;
     let up = if cosine { warp::cosine_hemisphere(u) } else { warp::uniform_hemisphere(u) };
     let density_reciprocal = if cosine { R::splat(PI) / up.z } else { R::splat(TAU) };
@@ -135,14 +135,8 @@ fn uniform_or_cosine<R: Real>(
     (eval.value.hadamard(incident) * weight).masked(active)
 }
 
-fn bsdf<R: Real>(
-    world: &World,
-    surface: &Surface<R>,
-    frame: &Frame<R>,
-    wo: Vec3<R>,
-    u: [R; 3],
-    combined: bool,
-) -> Vec3<R> {
+fn bsdf<R: Real>(view: &View<R>, u: [R; 3], combined: bool) -> Vec3<R> {
+    let &View { world, ref surface, ref frame, wo } = view;
     let all = R::Mask::splat(true);
     let sample = surface.material.sample::<AllModels>(&world.plan, wo, u[0], [u[1], u[2]], all);
     let direction = frame.to_world(sample.wi);
@@ -153,14 +147,8 @@ fn bsdf<R: Real>(
     (sample.weight.hadamard(incident) * weight).masked(active)
 }
 
-fn light<R: Real>(
-    world: &World,
-    surface: &Surface<R>,
-    frame: &Frame<R>,
-    wo: Vec3<R>,
-    u: [R; 3],
-    combined: bool,
-) -> Vec3<R> {
+fn light<R: Real>(view: &View<R>, u: [R; 3], combined: bool) -> Vec3<R> {
+    let &View { world, ref surface, ref frame, wo } = view;
     let all = R::Mask::splat(true);
     let Some(mut light) = world.sample_light(surface.at.p, u[0], [u[1], u[2]], all) else { return Vec3::zero() };
     if world.plan.patterned_lights {
