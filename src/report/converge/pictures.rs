@@ -29,7 +29,7 @@ pub fn write(
     let shown = |rgb: [f64; 3]| rgb.map(|value| srgb8(value * stops.exp2()));
     let path = folder.join("reference.png");
     let samples = reference.samples_per_pixel.map_or(String::new(), |n| format!("{n} samples a pixel, "));
-    let caption = format!("{samples}images exposed by {stops} stops").replace('-', "−");
+    let caption = format!("{samples}exposure of all {stops:+} EV").replace('-', "−");
     let mut images = vec![view.image(&path, "reference".into(), caption, |i| shown(truth[i]))?];
     for (number, variant) in report.variants.iter().enumerate() {
         let Some((row, seed)) = variant.rows.last().and_then(|row| Some((row, row.seeds.first()?))) else { continue };
