@@ -84,10 +84,15 @@ pub fn run() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("octolux: {error}");
+            eprintln!("octolux: {}", printable(&error.to_string()));
             ExitCode::from(2)
         }
     }
+}
+
+/// What a file says may hold control characters, which a terminal would obey.
+fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() && c != '\n' { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
 /// The library's warnings go to standard error, a line each.
@@ -99,7 +104,8 @@ fn log_to_stderr() {
         }
         fn log(&self, record: &log::Record) {
             if self.enabled(record.metadata()) {
-                eprintln!("octolux: {}: {}", record.level().as_str().to_lowercase(), record.args());
+                let text = printable(&record.args().to_string());
+                eprintln!("octolux: {}: {text}", record.level().as_str().to_lowercase());
             }
         }
         fn flush(&self) {}

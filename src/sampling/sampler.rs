@@ -112,6 +112,7 @@ impl<R: Real> Sampler<R> {
     #[inline(never)]
     fn sobol_bounce(&self, bounce: R) -> [R; BOUNCE] {
         let set = |k: u32| Self::set(bounce, k);
+        // What no path draws stays 0.
         let mut u = [R::zero(); BOUNCE];
         [u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]] = self.pair(set(0));
         [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]] = self.pair(set(1));

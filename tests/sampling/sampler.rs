@@ -4,6 +4,8 @@ use octolux::lane::{Bits, Mask, Real, f32x8, f32x16};
 use octolux::sampling::{Sampler, SamplerKind, dimensions};
 
 const SEED: u64 = 7;
+/// What a path draws; the next is gather's, whose rays are independent.
+const DRAWN: usize = dimensions::ROTATION;
 
 /// The numbers of `bounce` for samples `first` … of a pixel, one a lane.
 fn bounce<R: Real>(kind: SamplerKind, pixel: u32, first: u32, bounce: u32) -> [R; dimensions::BOUNCE] {
@@ -24,7 +26,7 @@ fn every_width_draws_the_same_numbers() {
             let (sixteen, eight) = (bounce::<f32x16>(kind, 3, 16, depth), bounce::<f32x8>(kind, 3, 16, depth));
             for i in 0..16 {
                 let one = bounce::<f32>(kind, 3, 16 + i as u32, depth);
-                for d in 0..dimensions::RESERVED {
+                for d in 0..DRAWN {
                     assert_eq!(one[d].to_bits(), sixteen[d].lane(i).to_bits(), "{kind:?} bounce {depth} dimension {d}");
                     assert!((0.0..1.0).contains(&one[d]));
                     if i < 8 {
@@ -67,14 +69,14 @@ fn pairs_of_dimensions_are_nets() {
 fn dimensions_bounces_and_pixels_are_uncorrelated() {
     let n = 1 << 14;
     let at = |pixel: u32, depth: u32| bounce::<f32>(SamplerKind::Sobol, pixel, pixel % 64, depth);
-    let rows: Vec<[f32; 3 * dimensions::RESERVED]> = (0..n)
+    let rows: Vec<[f32; 3 * DRAWN]> = (0..n)
         .map(|pixel| {
             let parts = [at(pixel, 1), at(pixel, 2), at(pixel + 1, 1)];
-            std::array::from_fn(|k| parts[k / dimensions::RESERVED][k % dimensions::RESERVED] - 0.5)
+            std::array::from_fn(|k| parts[k / DRAWN][k % DRAWN] - 0.5)
         })
         .collect();
-    for a in 0..dimensions::RESERVED {
-        for b in a + 1..3 * dimensions::RESERVED {
+    for a in 0..DRAWN {
+        for b in a + 1..3 * DRAWN {
             let sum: f64 = rows.iter().map(|u| f64::from(u[a]) * f64::from(u[b])).sum();
             // Var of a product of two uniform numbers about 0 is 1/144.
             let z = sum * 12.0 / f64::from(n).sqrt();
