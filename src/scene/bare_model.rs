@@ -23,7 +23,7 @@ const ROUNDING: f64 = 0.02;
 /// Eye height as a fraction of a room's: about 1.6 m under a ceiling at 2.6 m.
 const EYE_HEIGHT: f64 = 0.6;
 /// How far back from the middle towards the wall the camera stands in a room.
-const STEP_BACK: f64 = 0.9;
+const STEP_BACK: f64 = 0.8;
 
 /// Loads an OBJ file and completes it to a scene.
 pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> {
@@ -108,8 +108,8 @@ fn inside(around: &Surroundings, notes: &mut Notes) -> View {
     }
 }
 
-/// A small lamp behind and above the camera that gives the middle of the room about the irradiance π of a constant
-/// environment of radiance 1.
+/// A small lamp behind and above the camera that gives the middle of the room about irradiance 1: a third of what a constant
+/// environment of radiance 1 gives, because the walls near the lamp get more, and gloss reflects it.
 fn lamp(around: &Surroundings, view: &View, material: u32, notes: &mut Notes) -> (Sphere, Material) {
     let &View { position, look_at: middle, behind, .. } = view;
     let backward = (position - middle).normalize();
@@ -117,7 +117,7 @@ fn lamp(around: &Surroundings, view: &View, material: u32, notes: &mut Notes) ->
     let radius = 0.2 * behind.min((1.0 - EYE_HEIGHT) * around.size().y);
     let center = position + (backward + DVec3::Y) * (2.0 * radius);
     // A sphere of radiance L irradiates a patch that faces it from distance d by π L (r/d)².
-    let radiance = (center.distance(middle) / radius).powi(2) as f32;
+    let radiance = ((center.distance(middle) / radius).powi(2) / std::f64::consts::PI) as f32;
     notes.assume(format!(
         "nothing emits: a spherical lamp behind the camera, radius {radius:.3}, radiance {radiance:.3}, lights the room"
     ));
