@@ -13,10 +13,12 @@ mod path;
 mod pattern;
 mod phong;
 mod probe;
+mod queue;
 mod surface;
 mod texture;
 mod tile;
 mod view;
+mod wave;
 mod world;
 
 pub use camera::Camera;
@@ -40,7 +42,6 @@ impl Traversal for BruteForce {
     type Camera = Brute;
     type Bounce = Brute;
     type Shadow = Brute;
-    const PRETRACED: bool = false;
 }
 
 /// Packets for camera rays; after a bounce each ray on its own way, the lanes of a packet in flight together.
@@ -49,7 +50,6 @@ impl Traversal for TreeTraversal {
     type Camera = Packet;
     type Bounce = Stream;
     type Shadow = Shadow;
-    const PRETRACED: bool = true;
 }
 
 /// Number of lanes a kernel is compiled for.
@@ -156,7 +156,7 @@ mod run {
         out: &mut SampleBuffer,
         counters: &mut Counters,
     ) {
-        super::path::render::<R, T, S, NoProbe>(world, job, out, counters, &mut NoProbe)
+        super::wave::render::<R, T, S, NoProbe>(world, job, out, counters, &mut NoProbe)
     }
 
     #[inline(never)]
@@ -191,7 +191,7 @@ mod run {
         counters: &mut Counters,
         recorder: &mut Recorder,
     ) {
-        super::path::render::<R, T, AllModels, Recorder>(world, job, out, counters, recorder)
+        super::wave::render::<R, T, AllModels, Recorder>(world, job, out, counters, recorder)
     }
 
     #[inline(never)]

@@ -1,20 +1,19 @@
 //! The path estimator: emission, next-event estimation and scattering at every vertex, combined by multiple
 //! importance sampling (Veach 1997, chapter 9; power heuristic), with unbiased Russian roulette.
 //!
-//! A worker's paths live in the lanes of one packet. A lane whose path ended takes the next camera sample of the tile
-//! (regeneration), so lanes stay full until the tile runs out. Every random number is a function of (seed, pixel,
-//! sample, dimension), and a path writes to its own slot: which lane it ran in leaves no trace.
+//! What happens at one vertex, for the paths of a packet: [`Wave`](super::wave::Wave) brings them there and sends them on.
+//! Every random number is a function of (seed, pixel, sample, dimension), and a path adds to its own slot: which lane it
+//! ran in leaves no trace.
 
-use super::cutout;
 use super::material::ShadingKind;
 use super::pattern;
 use super::probe::{Lanes, Probe, Stage};
 use super::surface::Surface;
-use super::tile::{CameraQueue, Counters, Job, SampleBuffer};
+use super::tile::SampleBuffer;
 use super::world::World;
 use crate::accel::Mode;
-use crate::geometry::{Hit, MISS, Ray, SurfacePoint, shadow_ray};
-use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::geometry::{Hit, Ray, SurfacePoint, shadow_ray};
+use crate::lane::{Mask, Real, Vec3};
 use crate::light::{LightSample, sphere_pdf, triangle_pdf};
 use crate::sampling::dimensions::*;
 use crate::sampling::{Frame, Sampler};
@@ -32,8 +31,6 @@ pub trait Traversal: 'static {
     type Bounce: Mode;
     /// For shadow rays.
     type Shadow: Mode;
-    /// Camera rays are traced together before lanes take them, so that their coherence is not lost to regeneration.
-    const PRETRACED: bool;
 }
 
 /// The paths of one packet.
@@ -41,7 +38,6 @@ pub struct Paths<R: Real> {
     pub ray: Ray<R>,
     pub hit: Hit<R>,
     pub beta: Vec3<R>,
-    pub radiance: Vec3<R>,
     pub rng: Sampler<R>,
     /// Solid-angle pdf with which the ray was sampled; infinite for camera rays and after a delta.
     pub bsdf_pdf: R,
@@ -53,87 +49,59 @@ pub struct Paths<R: Real> {
 }
 
 impl<R: Real> Paths<R> {
-    /// All lanes free.
-    pub(super) fn idle() -> Self {
+    /// Paths about to leave along `ray`, as a camera's.
+    #[inline(always)]
+    pub(super) fn begin(ray: Ray<R>, hit: Hit<R>, rng: Sampler<R>, slot: R::Bits, alive: R::Mask) -> Self {
         Paths {
-            ray: Ray { origin: Vec3::zero(), direction: Vec3::splat([0.0, 0.0, 1.0]), t_max: R::splat(f32::INFINITY) },
-            hit: Hit::miss(R::splat(f32::INFINITY)),
-            beta: Vec3::zero(),
-            radiance: Vec3::zero(),
-            rng: Sampler::idle(),
+            ray,
+            hit,
+            beta: Vec3::all(R::one()),
+            rng,
             bsdf_pdf: R::splat(f32::INFINITY),
             eta_squared: R::one(),
             bounce: R::zero(),
-            slot: R::Bits::splat(0),
-            alive: R::Mask::splat(false),
+            slot,
+            alive,
         }
     }
 
     #[inline(always)]
-    fn lanes(&self, active: R::Mask) -> Lanes<R> {
+    pub(super) fn lanes(&self, active: R::Mask) -> Lanes<R> {
         Lanes { slot: self.slot, bounce: self.bounce, active }
     }
 }
 
-/// Renders all samples of a job into `out`.
-pub fn render<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
-    world: &World,
-    job: &Job,
-    out: &mut SampleBuffer,
-    counters: &mut Counters,
-    probe: &mut P,
-) {
-    let mut queue = CameraQueue::<R>::new(world, job);
-    let mut paths = Paths::<R>::idle();
-    loop {
-        if T::PRETRACED {
-            if paths.alive.any() {
-                paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.bounce, paths.alive);
-            }
-            queue.refill::<T>(&mut paths);
-        } else {
-            queue.refill::<T>(&mut paths);
-            if paths.alive.any() {
-                paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.bounce, paths.alive);
-            }
-        }
-        if paths.alive.none() {
-            return;
-        }
-        counters.packet(paths.alive, paths.bounce);
-        bounce::<R, T, S, P>(world, &mut paths, out, counters, probe);
-    }
+/// What lights send through vertices, unless something is in the way.
+pub(super) struct Direct<R: Real> {
+    pub ray: Ray<R>,
+    pub contribution: Vec3<R>,
+    /// Lanes that carry something.
+    pub carries: R::Mask,
 }
 
-/// One vertex of every path: what it emits, what lights send through it, where it goes next.
-#[inline(always)]
-pub(super) fn bounce<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
+/// One vertex of every path, all of which hit something: adds what it emits, samples a light, and scatters; lanes that go
+/// on stay alive.
+#[inline(never)]
+pub(super) fn vertex<R: Real, S: ShadingKind, P: Probe>(
     world: &World,
     paths: &mut Paths<R>,
     out: &mut SampleBuffer,
-    counters: &mut Counters,
     probe: &mut P,
-) {
+) -> Option<Direct<R>> {
     let alive = paths.alive;
     let lanes = paths.lanes(alive);
-    tap_hit(probe, lanes, &mut paths.hit);
-    let missed = paths.hit.primitive.eq(R::Bits::splat(MISS)) & alive;
-    let on_surface = alive & !missed;
-    if missed.any() {
-        add_environment(world, paths, missed, probe);
-    }
-    let mut surface = Surface::at(world, &paths.ray, &paths.hit, on_surface);
+    let mut surface = Surface::at(world, &paths.ray, &paths.hit, alive);
     if out.features.is_some() {
-        write_features(world, paths, &surface, on_surface, out);
+        write_features(world, paths, &surface, alive, out);
     }
     if world.plan.area_lights {
-        add_emission(world, paths, &surface, on_surface, probe);
+        add_emission(world, paths, &surface, out, probe);
     }
     let mut u = paths.rng.bounce_dims(world.sampler, paths.bounce);
     for x in &mut u {
         *x = probe.tap(Stage::Random, lanes, *x);
     }
-    let scatters = on_surface & paths.bounce.lt(R::splat(world.max_bounces));
+    let scatters = alive & paths.bounce.lt(R::splat(world.max_bounces));
     let outward = -paths.ray.direction;
     if world.plan.shading_normals {
         surface.face(outward);
@@ -142,17 +110,13 @@ pub(super) fn bounce<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     let wo = frame.to_local(outward);
     // A direction counts only where its sides against both normals agree; the viewer's no less than others.
     let scatters = scatters & same_side(wo.z, surface.ng.dot(outward));
+    let mut direct = None;
     if world.lights.is_some() && scatters.any() {
-        add_direct_light::<R, T, S, P>(world, paths, &surface, &frame, wo, &u, scatters, counters, probe);
+        direct = sample_direct::<R, S, P>(world, paths, &surface, &frame, wo, &u, scatters, probe);
     }
     scatter::<R, S, P>(world, paths, &surface, &frame, wo, &u, scatters, probe);
     roulette(paths, u[ROULETTE], probe);
-    let dead = alive & !paths.alive;
-    if dead.any() {
-        paths.radiance = probe.tap_rgb(Stage::Radiance, paths.lanes(dead), paths.radiance);
-        out.write(paths.slot, paths.radiance, dead);
-    }
-    paths.bounce = paths.bounce + R::one();
+    direct
 }
 
 #[inline(always)]
@@ -177,27 +141,17 @@ pub(super) fn mis_weight<R: Real>(pdf: R, other: R) -> R {
     ratio.mul_add(ratio, R::one()).recip()
 }
 
-/// Radiance of the environment for rays that left the scene.
-#[inline(never)]
-fn add_environment<R: Real, P: Probe>(world: &World, paths: &mut Paths<R>, missed: R::Mask, probe: &mut P) {
-    let Some(lights) = world.lights.as_ref().filter(|_| world.plan.environment) else { return };
-    let (radiance, pdf) = lights.environment(paths.ray.direction);
-    let contribution = paths.beta.hadamard(radiance) * mis_weight(paths.bsdf_pdf, pdf);
-    let contribution = probe.tap_rgb(Stage::Emission, paths.lanes(missed), contribution);
-    paths.radiance = paths.radiance + contribution.masked(missed);
-}
-
 /// Radiance of an emitter that a ray ran into, from its front side.
 #[inline(always)]
 fn add_emission<R: Real, P: Probe>(
     world: &World,
-    paths: &mut Paths<R>,
+    paths: &Paths<R>,
     surface: &Surface<R>,
-    on_surface: R::Mask,
+    out: &mut SampleBuffer,
     probe: &mut P,
 ) {
     let cos_light = -surface.ng.dot(paths.ray.direction);
-    let emitting = on_surface & cos_light.gt(R::zero()) & surface.material.emission.max_component().gt(R::zero());
+    let emitting = paths.alive & cos_light.gt(R::zero()) & surface.material.emission.max_component().gt(R::zero());
     if emitting.none() {
         return;
     }
@@ -210,30 +164,28 @@ fn add_emission<R: Real, P: Probe>(
     }
     let contribution = paths.beta.hadamard(surface.material.emission) * mis_weight(paths.bsdf_pdf, pdf);
     let contribution = probe.tap_rgb(Stage::Emission, paths.lanes(emitting), contribution);
-    paths.radiance = paths.radiance + contribution.masked(emitting);
+    out.add(paths.slot, contribution, emitting);
 }
 
-/// Next-event estimation: a point on a light or a direction to the environment, its contribution, and the shadow ray
-/// of the lanes for which there is one.
+/// Next-event estimation: a point on a light or a direction to the environment, and its contribution if it is seen.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn add_direct_light<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
+fn sample_direct<R: Real, S: ShadingKind, P: Probe>(
     world: &World,
-    paths: &mut Paths<R>,
+    paths: &Paths<R>,
     surface: &Surface<R>,
     frame: &Frame<R>,
     wo: Vec3<R>,
     u: &[R; BOUNCE],
     scatters: R::Mask,
-    counters: &mut Counters,
     probe: &mut P,
-) {
+) -> Option<Direct<R>> {
     let lit = scatters & !surface.material.is_delta::<S>();
     if lit.none() {
-        return;
+        return None;
     }
     let u_position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
-    let Some(mut light) = world.sample_light(surface.at.p, u[LIGHT_CHOICE], u_position, lit) else { return };
+    let mut light = world.sample_light(surface.at.p, u[LIGHT_CHOICE], u_position, lit)?;
     if world.plan.patterned_lights {
         pattern::look_up(world, &mut light, u_position, lit);
     }
@@ -252,20 +204,7 @@ fn add_direct_light<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
     let contribution = paths.beta.hadamard(eval.value).hadamard(light.radiance) * weight;
     let contribution = probe.tap_rgb(Stage::LightContribution, paths.lanes(lit), contribution);
     let carries = lit & contribution.max_component().gt(R::zero());
-    if carries.none() {
-        return;
-    }
-    let ray = light_ray(surface, &light);
-    counters.shadow(carries);
-    let occluded = world.occluded::<R, T::Shadow>(&ray, carries);
-    let occluded = probe.tap_mask(Stage::Shadow, paths.lanes(carries), occluded);
-    paths.radiance = paths.radiance + contribution.masked(carries & !occluded);
-    let hidden = carries & occluded;
-    if world.plan.cutouts && hidden.any() {
-        let clear = cutout::transmittance::<R, T::Bounce>(world, &ray, hidden);
-        let clear = probe.tap(Stage::Shadow, paths.lanes(hidden), clear);
-        paths.radiance = paths.radiance + (contribution * clear).masked(hidden);
-    }
+    carries.any().then(|| Direct { ray: light_ray(surface, &light), contribution, carries })
 }
 
 /// The shadow ray of a light sample: to a point moved off its light, or to infinity.

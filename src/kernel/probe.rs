@@ -73,6 +73,9 @@ pub struct Lanes<R: Real> {
 
 /// Sees values on their way through the kernel.
 pub trait Probe {
+    /// Does it look at anything?
+    const ACTIVE: bool = true;
+
     /// Returns the value to go on with.
     fn tap<R: Real>(&mut self, stage: Stage, lanes: Lanes<R>, value: R) -> R;
 
@@ -90,6 +93,8 @@ pub trait Probe {
 pub struct NoProbe;
 
 impl Probe for NoProbe {
+    const ACTIVE: bool = false;
+
     #[inline(always)]
     fn tap<R: Real>(&mut self, _: Stage, _: Lanes<R>, value: R) -> R {
         value

@@ -1,7 +1,6 @@
 //! A worker's job: a tile, a range of samples, the queue of camera rays that feeds its lanes, and where results go.
 
 use super::cutout;
-use super::path::{Paths, Traversal};
 use super::world::World;
 use crate::accel::Mode;
 use crate::film::AovSample;
@@ -9,6 +8,7 @@ use crate::geometry::{Hit, Ray};
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
 use crate::sampling::Sampler;
 use crate::sampling::dimensions::{LENS, PIXEL};
+use core::marker::PhantomData;
 
 /// Pixels and samples to render together.
 #[derive(Clone, Copy, Debug)]
@@ -47,15 +47,17 @@ impl SampleBuffer {
         self.features = features.then(|| vec![AovSample::default(); slots]);
     }
 
+    /// Adds to the slots of `mask`.
     #[inline(always)]
-    pub fn write<R: Real>(&mut self, slot: R::Bits, rgb: Vec3<R>, mask: R::Mask) {
+    pub fn add<R: Real>(&mut self, slot: R::Bits, rgb: Vec3<R>, mask: R::Mask) {
         let (mut slots, mut values) = ([0; MAX_WIDTH], [[0.0; MAX_WIDTH]; 3]);
         slot.store(&mut slots);
         rgb.x.store(&mut values[0]);
         rgb.y.store(&mut values[1]);
         rgb.z.store(&mut values[2]);
         for lane in lanes_of(mask.bits()) {
-            self.rgb[slots[lane] as usize] = [values[0][lane], values[1][lane], values[2][lane]];
+            let sum = &mut self.rgb[slots[lane] as usize];
+            *sum = [sum[0] + values[0][lane], sum[1] + values[1][lane], sum[2] + values[2][lane]];
         }
     }
 
@@ -92,14 +94,15 @@ pub struct Counters {
 }
 
 impl Counters {
+    /// A packet of camera rays or of others is traced.
     #[inline(always)]
-    pub fn packet<M: Mask, R: Real<Mask = M>>(&mut self, alive: M, bounce: R) {
-        let camera = (alive & bounce.eq(R::zero())).bits().count_ones() as u64;
-        let all = alive.bits().count_ones() as u64;
-        self.camera_rays += camera;
-        self.bounce_rays += all - camera;
+    pub fn traced<M: Mask>(&mut self, camera: bool, mask: M) {
+        *(if camera { &mut self.camera_rays } else { &mut self.bounce_rays }) += mask.bits().count_ones() as u64;
+    }
+    #[inline(always)]
+    pub fn shaded<M: Mask>(&mut self, mask: M) {
         self.packets += 1;
-        self.active_lanes += all;
+        self.active_lanes += mask.bits().count_ones() as u64;
     }
     #[inline(always)]
     pub fn shadow<M: Mask>(&mut self, mask: M) {
@@ -124,9 +127,7 @@ pub struct CameraQueue<'a, R: Real> {
     /// The next sample to make: pixel within the tile, sample within the job.
     pixel: u32,
     sample: u32,
-    ready: Option<CameraPacket<R>>,
-    /// Lanes of `ready` not yet taken.
-    left: u32,
+    lanes: PhantomData<R>,
 }
 
 /// Camera samples, with their hits where they are traced together.
@@ -137,41 +138,11 @@ pub struct CameraPacket<R: Real> {
     pub rng: Sampler<R>,
     pub slot: R::Bits,
     pub active: R::Mask,
-    /// Do the origins differ?
-    lens: bool,
 }
 
 impl<'a, R: Real> CameraQueue<'a, R> {
     pub fn new(world: &'a World, job: &'a Job) -> Self {
-        CameraQueue { world, job, pixel: 0, sample: 0, ready: None, left: 0 }
-    }
-
-    /// Gives every free lane the next camera sample, as long as there are any.
-    #[inline(always)]
-    pub fn refill<T: Traversal>(&mut self, paths: &mut Paths<R>) {
-        if paths.alive.all() {
-            return;
-        }
-        let mut alive = paths.alive.bits();
-        let mut free = !alive & (u32::MAX >> (32 - R::WIDTH as u32));
-        while free != 0 {
-            if self.left == 0 {
-                self.ready = self.next_packet::<T::Camera>(T::PRETRACED);
-                self.left = self.ready.as_ref().map_or(0, |packet| packet.active.bits());
-            }
-            let Some(packet) = &self.ready else { break };
-            // Free lanes and waiting samples are paired in order.
-            let (mut from, mut taken) = ([0; MAX_WIDTH], 0);
-            for lane in lanes_of(free).take(self.left.count_ones() as usize) {
-                from[lane] = self.left.trailing_zeros();
-                self.left &= self.left - 1;
-                taken |= 1 << lane;
-            }
-            packet.give(R::Mask::from_bits(taken), R::Bits::load(&from), paths);
-            free &= !taken;
-            alive |= taken;
-        }
-        paths.alive = R::Mask::from_bits(alive);
+        CameraQueue { world, job, pixel: 0, sample: 0, lanes: PhantomData }
     }
 
     /// The next packet of camera samples: the samples of a pixel side by side, so that rays are coherent. `None` where
@@ -211,39 +182,6 @@ impl<'a, R: Real> CameraQueue<'a, R> {
         } else {
             Hit::miss(ray.t_max)
         };
-        Some(CameraPacket { ray, hit, rng, slot, active, lens })
-    }
-}
-
-impl<R: Real> CameraPacket<R> {
-    /// Starts, in the lanes of `mask`, the paths of the lanes `from`.
-    #[inline(always)]
-    fn give(&self, mask: R::Mask, from: R::Bits, paths: &mut Paths<R>) {
-        let put = |to: &mut R, value: R| *to = R::select(mask, value, *to);
-        let put_bits =
-            |to: &mut R::Bits, v: R::Bits| *to = R::Bits::select(mask, R::from_bits(v).permute(from).to_bits(), *to);
-        let put_all = |to: &mut Vec3<R>, value: Vec3<R>| *to = Vec3::select(mask, value, *to);
-        let Ray { origin, direction, .. } = &self.ray;
-        if self.lens {
-            let moved = Vec3::new(origin.x.permute(from), origin.y.permute(from), origin.z.permute(from));
-            put_all(&mut paths.ray.origin, moved);
-        } else {
-            put_all(&mut paths.ray.origin, *origin);
-        }
-        put(&mut paths.ray.direction.x, direction.x.permute(from));
-        put(&mut paths.ray.direction.y, direction.y.permute(from));
-        put(&mut paths.ray.direction.z, direction.z.permute(from));
-        put(&mut paths.ray.t_max, R::splat(f32::INFINITY));
-        put(&mut paths.hit.t, self.hit.t.permute(from));
-        put(&mut paths.hit.u, self.hit.u.permute(from));
-        put(&mut paths.hit.v, self.hit.v.permute(from));
-        put_bits(&mut paths.hit.primitive, self.hit.primitive);
-        put_bits(&mut paths.slot, self.slot);
-        paths.rng.take_lanes(mask, &self.rng, from);
-        put_all(&mut paths.beta, Vec3::all(R::one()));
-        put_all(&mut paths.radiance, Vec3::zero());
-        put(&mut paths.bsdf_pdf, R::splat(f32::INFINITY));
-        put(&mut paths.eta_squared, R::one());
-        put(&mut paths.bounce, R::zero());
+        Some(CameraPacket { ray, hit, rng, slot, active })
     }
 }

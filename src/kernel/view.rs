@@ -27,7 +27,8 @@ pub fn render<R: Real, T: Traversal, P: Probe>(
 ) {
     let mut queue = CameraQueue::<R>::new(world, job);
     while let Some(mut packet) = queue.next_packet::<T::Camera>(true) {
-        counters.packet(packet.active, R::zero());
+        counters.traced(true, packet.active);
+        counters.shaded(packet.active);
         let lanes = Lanes { slot: packet.slot, bounce: R::zero(), active: packet.active };
         super::path::tap_hit(probe, lanes, &mut packet.hit);
         let found = packet.active & !packet.hit.primitive.eq(R::Bits::splat(MISS));
@@ -37,10 +38,10 @@ pub fn render<R: Real, T: Traversal, P: Probe>(
         if world.integrator.kind == IntegratorKind::Phong {
             let value = super::phong::shade::<R, T>(world, &packet.ray, &mut surface, found, counters);
             let value = probe.tap_rgb(Stage::Radiance, lanes, value);
-            out.write(packet.slot, value, packet.active);
+            out.add(packet.slot, value, packet.active);
         } else {
             let value = geometry(world, normal, distance).masked(found);
-            out.write(packet.slot, probe.tap_rgb(Stage::Radiance, lanes, value), packet.active);
+            out.add(packet.slot, probe.tap_rgb(Stage::Radiance, lanes, value), packet.active);
         }
         if found.any() && out.features.is_some() {
             out.write_features(packet.slot, surface.material.albedo(), normal, distance, found);

@@ -65,10 +65,16 @@ impl<R: Real> Sampler<R> {
         }
     }
 
-    /// Lanes in `mask` go on where lane `from` of `other` is.
+    /// The state, to be kept between bounces.
     #[inline(always)]
-    pub fn take_lanes(&mut self, mask: R::Mask, other: &Self, from: R::Bits) {
-        self.0.take_lanes(mask, &other.0, from);
+    pub fn words(&self) -> [R::Bits; 4] {
+        self.0.s
+    }
+
+    /// Goes on from a state.
+    #[inline(always)]
+    pub fn from_words(words: [R::Bits; 4]) -> Self {
+        Self(Xoshiro { s: words })
     }
 
     /// The camera's numbers, indexed by [`dimensions`](super::dimensions); without `lens` those of the lens are unspecified.

@@ -32,15 +32,6 @@ impl<R: Real> Xoshiro<R> {
         }
     }
 
-    /// Lanes in `mask` go on where lane `from` of `other` is.
-    #[inline(always)]
-    pub fn take_lanes(&mut self, mask: R::Mask, other: &Self, from: R::Bits) {
-        for k in 0..4 {
-            let theirs = R::from_bits(other.s[k]).permute(from).to_bits();
-            self.s[k] = R::Bits::select(mask, theirs, self.s[k]);
-        }
-    }
-
     /// 32 random bits a lane.
     #[inline(always)]
     pub fn next_bits(&mut self) -> R::Bits {

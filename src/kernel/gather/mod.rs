@@ -65,7 +65,8 @@ pub fn render<R: Real, T: Traversal>(world: &World, job: &Job, out: &mut SampleB
         Worker { world, tables, drawn: Directions::new(tables.count()), beams: Beams::new(tables.count()) };
     let mut queue = CameraQueue::<R>::new(world, job);
     while let Some(mut packet) = queue.next_packet::<T::Camera>(true) {
-        counters.packet(packet.active, R::zero());
+        counters.traced(true, packet.active);
+        counters.shaded(packet.active);
         let missed = packet.hit.primitive.eq(R::Bits::splat(MISS)) & packet.active;
         let found = packet.active & !missed;
         let mut surface = Surface::at(world, &packet.ray, &packet.hit, found);
@@ -102,7 +103,7 @@ pub fn render<R: Real, T: Traversal>(world: &World, job: &Job, out: &mut SampleB
             let own = radiance.lane(lane);
             radiance.set_lane(lane, std::array::from_fn(|c| own[c] + gathered[c]));
         }
-        out.write(packet.slot, radiance, packet.active);
+        out.add(packet.slot, radiance, packet.active);
     }
 }
 

@@ -4,10 +4,11 @@ use super::Vertex;
 use crate::geometry::{MISS, Ray};
 use crate::kernel::cutout;
 use crate::kernel::material::AllModels;
-use crate::kernel::path::{Paths, Traversal, bounce};
+use crate::kernel::path::{Paths, Traversal};
 use crate::kernel::probe::NoProbe;
 use crate::kernel::surface::Surface;
 use crate::kernel::tile::{Counters, SampleBuffer};
+use crate::kernel::wave::Wave;
 use crate::kernel::world::World;
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
 
@@ -70,7 +71,7 @@ impl Beams {
         if carries.none() {
             return;
         }
-        counters.packet(carries, R::one());
+        counters.traced(false, carries);
         let arriving = if goes_on {
             self.continued::<R, T>(world, vertex, first, ray, carries, direct, counters)
         } else {
@@ -94,23 +95,14 @@ impl Beams {
     ) -> Vec3<R> {
         let out = &mut self.paths;
         out.reset(R::WIDTH, false);
-        let mut paths = Paths::<R>::idle();
-        paths.ray = *ray;
-        paths.beta = Vec3::all(R::one());
-        paths.rng = vertex.numbers(first).0;
+        let rng = vertex.numbers(first).0;
+        let hit = cutout::closest::<R, T::Bounce>(world, ray, &rng, R::one(), carries);
+        let mut paths = Paths::begin(*ray, hit, rng, R::Bits::from_fn(|lane| lane as u32), carries);
         paths.bsdf_pdf = R::select(direct, R::splat(f32::INFINITY), R::splat(LEFT_TO_LIGHT_SAMPLES));
         paths.bounce = R::one();
-        paths.slot = R::Bits::from_fn(|lane| lane as u32);
-        paths.alive = carries;
-        paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.bounce, carries);
-        loop {
-            bounce::<R, T, AllModels, NoProbe>(world, &mut paths, out, counters, &mut NoProbe);
-            if paths.alive.none() {
-                return Vec3::from_fn(|lane| out.rgb[lane]);
-            }
-            counters.packet(paths.alive, paths.bounce);
-            paths.hit = cutout::closest::<R, T::Bounce>(world, &paths.ray, &paths.rng, paths.bounce, paths.alive);
-        }
+        let mut start = Some(paths);
+        Wave::<R, T, AllModels, NoProbe>::new(world, 1, out, counters, &mut NoProbe).run(|_| start.take());
+        Vec3::from_fn(|lane| out.rgb[lane])
     }
 }
 

@@ -1,0 +1,295 @@
+//! The paths of a worker on their way: rays are traced, packets of hits shaded, shadow rays traced, generation by
+//! generation.
+//!
+//! After every step lanes fall away: rays miss, vertices are unlit, paths end. What is left is moved together, so that
+//! each step runs on full packets. Paths that ended make room for camera samples (regeneration) until the job runs out.
+//! A path's contributions are added to its slot in its own order, whatever company it was in: the sums are the same at
+//! any width.
+
+use super::cutout;
+use super::material::ShadingKind;
+use super::path::{self, Direct, Paths, Traversal, mis_weight};
+use super::probe::{Lanes, Probe, Stage};
+use super::queue::Queue;
+use super::tile::{CameraQueue, Counters, Job, SampleBuffer};
+use super::world::World;
+use crate::geometry::{Hit, Ray};
+use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::sampling::Sampler;
+use core::marker::PhantomData;
+
+/// Paths of a worker on their way at once.
+const POOL: usize = 128;
+
+/// Values a path keeps from vertex to vertex, and with its hit.
+const GOING: usize = 17;
+const HIT: usize = GOING + 4;
+/// Of a ray that left the scene, and of a shadow ray.
+const MISSED: usize = 9;
+const SHADOW: usize = 12;
+
+/// Renders all samples of a job into `out`.
+pub fn render<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
+    world: &World,
+    job: &Job,
+    out: &mut SampleBuffer,
+    counters: &mut Counters,
+    probe: &mut P,
+) {
+    let mut camera = CameraQueue::<R>::new(world, job);
+    let mut wave = Wave::<R, T, S, P>::new(world, POOL, out, counters, probe);
+    wave.run(|counters| {
+        let packet = camera.next_packet::<T::Camera>(true)?;
+        counters.traced(true, packet.active);
+        Some(Paths::begin(packet.ray, packet.hit, packet.rng, packet.slot, packet.active))
+    });
+}
+
+/// See the module.
+pub(super) struct Wave<'a, R: Real, T, S, P> {
+    world: &'a World,
+    out: &'a mut SampleBuffer,
+    counters: &'a mut Counters,
+    probe: &'a mut P,
+    pool: usize,
+    /// Rays to trace, of this generation and the next.
+    going: Queue<R, GOING>,
+    next: Queue<R, GOING>,
+    /// Too few so far.
+    hits: Queue<R, HIT>,
+    missed: Queue<R, MISSED>,
+    shadows: Queue<R, SHADOW>,
+    /// Slots and last bounces of paths that ended in this generation; only for a probe.
+    ended: Vec<(u32, f32)>,
+    kinds: PhantomData<(T, S)>,
+}
+
+impl<'a, R: Real, T: Traversal, S: ShadingKind, P: Probe> Wave<'a, R, T, S, P> {
+    /// Nothing on its way; room for `pool` ≥ 1 paths.
+    pub fn new(
+        world: &'a World,
+        pool: usize,
+        out: &'a mut SampleBuffer,
+        counters: &'a mut Counters,
+        probe: &'a mut P,
+    ) -> Self {
+        let room = pool + 2 * R::WIDTH;
+        Wave {
+            world,
+            out,
+            counters,
+            probe,
+            pool,
+            going: Queue::new(room),
+            next: Queue::new(room),
+            hits: Queue::new(2 * R::WIDTH),
+            missed: Queue::new(2 * R::WIDTH),
+            shadows: Queue::new(room),
+            ended: Vec::new(),
+            kinds: PhantomData,
+        }
+    }
+
+    /// Takes paths that have been traced from `camera` as long as it has any, and follows all to their end.
+    pub fn run(&mut self, mut camera: impl FnMut(&mut Counters) -> Option<Paths<R>>) {
+        let mut more = true;
+        loop {
+            core::mem::swap(&mut self.going, &mut self.next);
+            for first in (0..self.going.len()).step_by(R::WIDTH) {
+                let (row, alive) = self.going.packet(first);
+                let mut paths = unpack(&row, alive);
+                self.counters.traced(false, alive);
+                paths.hit =
+                    cutout::closest::<R, T::Bounce>(self.world, &paths.ray, &paths.rng, paths.bounce, paths.alive);
+                self.arrive(paths);
+            }
+            self.going.clear();
+            while more && self.next.len() + self.hits.len() < self.pool {
+                match camera(self.counters) {
+                    Some(paths) => self.arrive(paths),
+                    None => more = false,
+                }
+            }
+            if !more {
+                self.shade_rest();
+            }
+            self.trace_shadows();
+            if !more && self.next.is_empty() {
+                break;
+            }
+        }
+        while !self.missed.is_empty() {
+            self.add_environment();
+        }
+        self.tap_ends();
+    }
+
+    /// Rays have been traced: those that hit are shaded as soon as they fill a packet.
+    #[inline(always)]
+    fn arrive(&mut self, mut paths: Paths<R>) {
+        let lanes = paths.lanes(paths.alive);
+        path::tap_hit(self.probe, lanes, &mut paths.hit);
+        let hit = paths.alive & paths.hit.valid();
+        let missed = paths.alive & !hit;
+        if missed.any() {
+            self.leave(&paths, missed);
+        }
+        if hit.all() {
+            self.shade(paths);
+        } else if hit.any() {
+            self.hits.push(hit, &pack_hits(&paths));
+            if self.hits.len() >= R::WIDTH {
+                self.shade_waiting();
+            }
+        }
+    }
+
+    /// Rays left the scene.
+    #[inline(always)]
+    fn leave(&mut self, paths: &Paths<R>, missed: R::Mask) {
+        if self.world.plan.environment {
+            let (d, b) = (paths.ray.direction, paths.beta);
+            let slot = R::from_bits(paths.slot);
+            self.missed.push(missed, &[d.x, d.y, d.z, b.x, b.y, b.z, paths.bsdf_pdf, slot, paths.bounce]);
+            if self.missed.len() >= R::WIDTH {
+                self.add_environment();
+            }
+        } else if P::ACTIVE {
+            self.note_ends(paths.lanes(missed));
+        }
+    }
+
+    /// Radiance of the environment for a packet of rays that left the scene.
+    #[inline(never)]
+    fn add_environment(&mut self) {
+        let ([dx, dy, dz, bx, by, bz, bsdf_pdf, slot, bounce], active) = self.missed.pop();
+        let lanes = Lanes { slot: slot.to_bits(), bounce, active };
+        if let Some(lights) = &self.world.lights {
+            let (radiance, pdf) = lights.environment(Vec3::new(dx, dy, dz));
+            let contribution = Vec3::new(bx, by, bz).hadamard(radiance) * mis_weight(bsdf_pdf, pdf);
+            let contribution = self.probe.tap_rgb(Stage::Emission, lanes, contribution);
+            self.out.add(lanes.slot, contribution, active);
+        }
+        if P::ACTIVE {
+            self.note_ends(lanes);
+        }
+    }
+
+    /// A packet of hits that came one by one.
+    #[inline(never)]
+    fn shade_waiting(&mut self) {
+        let (row, alive) = self.hits.pop();
+        let mut paths = unpack(row.first_chunk().expect("a hit has a path"), alive);
+        let [.., t, primitive, u, v] = row;
+        paths.hit = Hit { t, primitive: primitive.to_bits(), u, v };
+        self.shade(paths);
+    }
+
+    fn shade_rest(&mut self) {
+        while !self.hits.is_empty() {
+            self.shade_waiting();
+        }
+    }
+
+    /// One vertex of every path.
+    #[inline(never)]
+    fn shade(&mut self, mut paths: Paths<R>) {
+        self.counters.shaded(paths.alive);
+        let arrived = paths.alive;
+        if let Some(direct) = path::vertex::<R, S, P>(self.world, &mut paths, self.out, self.probe) {
+            self.counters.shadow(direct.carries);
+            self.shadows.push(direct.carries, &pack_shadows(&direct, &paths));
+        }
+        if P::ACTIVE {
+            self.note_ends(paths.lanes(arrived & !paths.alive));
+        }
+        if paths.alive.any() {
+            paths.bounce = paths.bounce + R::one();
+            self.next.push(paths.alive, &pack(&paths));
+        }
+        if self.shadows.len() >= self.pool {
+            self.trace_shadows();
+        }
+    }
+
+    /// Adds what no shadow ray of this generation finds hidden.
+    fn trace_shadows(&mut self) {
+        while !self.shadows.is_empty() {
+            self.trace_shadow_packet();
+        }
+        self.tap_ends();
+    }
+
+    #[inline(never)]
+    fn trace_shadow_packet(&mut self) {
+        let ([ox, oy, oz, dx, dy, dz, t_max, r, g, b, slot, bounce], carries) = self.shadows.pop();
+        let (world, contribution) = (self.world, Vec3::new(r, g, b));
+        let ray = Ray { origin: Vec3::new(ox, oy, oz), direction: Vec3::new(dx, dy, dz), t_max };
+        let lanes = |active| Lanes::<R> { slot: slot.to_bits(), bounce, active };
+        let occluded = world.occluded::<R, T::Shadow>(&ray, carries);
+        let occluded = self.probe.tap_mask(Stage::Shadow, lanes(carries), occluded);
+        self.out.add(slot.to_bits(), contribution, carries & !occluded);
+        let hidden = carries & occluded;
+        if world.plan.cutouts && hidden.any() {
+            let clear = cutout::transmittance::<R, T::Bounce>(world, &ray, hidden);
+            let clear = self.probe.tap(Stage::Shadow, lanes(hidden), clear);
+            self.out.add(slot.to_bits(), contribution * clear, hidden);
+        }
+    }
+
+    fn note_ends(&mut self, lanes: Lanes<R>) {
+        for lane in super::tile::lanes_of(lanes.active.bits()) {
+            self.ended.push((lanes.slot.lane(lane), lanes.bounce.lane(lane)));
+        }
+    }
+
+    /// Shows the probe what paths found that have ended and of which no shadow ray is out.
+    fn tap_ends(&mut self) {
+        for (slot, bounce) in self.ended.drain(..) {
+            let lanes = Lanes::<f32> { slot: Bits::splat(slot), bounce, active: true };
+            let rgb = &mut self.out.rgb[slot as usize];
+            *rgb = self.probe.tap_rgb(Stage::Radiance, lanes, Vec3::splat(*rgb)).lane(0);
+        }
+    }
+}
+
+#[inline(always)]
+fn pack<R: Real>(paths: &Paths<R>) -> [R; GOING] {
+    let (o, d, b) = (paths.ray.origin, paths.ray.direction, paths.beta);
+    let [w0, w1, w2, w3] = paths.rng.words().map(R::from_bits);
+    let (slot, pdf) = (R::from_bits(paths.slot), paths.bsdf_pdf);
+    [o.x, o.y, o.z, d.x, d.y, d.z, b.x, b.y, b.z, w0, w1, w2, w3, pdf, paths.eta_squared, paths.bounce, slot]
+}
+
+#[inline(always)]
+fn pack_hits<R: Real>(paths: &Paths<R>) -> [R; HIT] {
+    let mut row = [R::zero(); HIT];
+    row[..GOING].copy_from_slice(&pack(paths));
+    row[GOING..].copy_from_slice(&[paths.hit.t, R::from_bits(paths.hit.primitive), paths.hit.u, paths.hit.v]);
+    row
+}
+
+#[inline(always)]
+fn pack_shadows<R: Real>(direct: &Direct<R>, paths: &Paths<R>) -> [R; SHADOW] {
+    let Ray { origin: o, direction: d, t_max } = direct.ray;
+    let c = direct.contribution;
+    [o.x, o.y, o.z, d.x, d.y, d.z, t_max, c.x, c.y, c.z, R::from_bits(paths.slot), paths.bounce]
+}
+
+/// Paths on their way, without a hit.
+#[inline(always)]
+fn unpack<R: Real>(row: &[R; GOING], alive: R::Mask) -> Paths<R> {
+    let [ox, oy, oz, dx, dy, dz, bx, by, bz, w0, w1, w2, w3, bsdf_pdf, eta_squared, bounce, slot] = *row;
+    let ray = Ray { origin: Vec3::new(ox, oy, oz), direction: Vec3::new(dx, dy, dz), t_max: R::splat(f32::INFINITY) };
+    Paths {
+        hit: Hit::miss(ray.t_max),
+        ray,
+        beta: Vec3::new(bx, by, bz),
+        rng: Sampler::from_words([w0, w1, w2, w3].map(R::to_bits)),
+        bsdf_pdf,
+        eta_squared,
+        bounce,
+        slot: slot.to_bits(),
+        alive,
+    }
+}
