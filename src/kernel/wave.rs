@@ -18,8 +18,8 @@ use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::sampling::Sampler;
 use core::marker::PhantomData;
 
-/// Paths of a worker on their way at once.
-const POOL: usize = 128;
+/// Paths of a worker on their way at once: they and what waits stay in the second cache; 128 were up to 5 % slower.
+const POOL: usize = 512;
 
 /// Values a path keeps from vertex to vertex, and with its hit.
 const GOING: usize = 17;
