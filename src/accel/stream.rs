@@ -48,10 +48,9 @@ thread_local! {
 
 /// Rays by what they need next: a node tested, a block tested, a child found.
 struct Lists {
-    nodes: [[u8; RAYS]; 2],
+    nodes: [u8; RAYS],
     blocks: [u8; RAYS],
-    pops: [[u8; RAYS]; 2],
-    side: usize,
+    pops: [u8; RAYS],
 }
 
 /// How long the lists are: apart from them, so that it stays in registers.
@@ -86,11 +85,10 @@ impl<B: Block> Walk<'_, B> {
     /// Sends ray `i` to `child`, or to look for one if there is `none`.
     #[inline(always)]
     fn send(&mut self, lens: &mut Lens, i: usize, child: Child, some: bool) {
-        let side = self.lists.side & 1;
         self.child[i] = child;
-        push_if(&mut self.lists.nodes[side], &mut lens.nodes, i, some & (child.kind() == 0));
+        push_if(&mut self.lists.nodes, &mut lens.nodes, i, some & (child.kind() == 0));
         push_if(&mut self.lists.blocks, &mut lens.blocks, i, some & child.is_leaf());
-        push_if(&mut self.lists.pops[side], &mut lens.pops, i, !some);
+        push_if(&mut self.lists.pops, &mut lens.pops, i, !some);
         let node = self.tree.nodes.as_ptr().wrapping_add(child.index()).cast::<u8>();
         let block = self.tree.blocks.as_ptr().wrapping_add(child.index()).cast::<u8>();
         // Whatever is neither is harmless to fetch.
@@ -140,22 +138,19 @@ fn walk<B: Block, R: Real>(
         return;
     }
     let Flight { lanes, best, stacks } = flight;
-    let lists = Lists { nodes: [[0; RAYS]; 2], blocks: [0; RAYS], pops: [[0; RAYS]; 2], side: 0 };
+    let lists = Lists { nodes: [0; RAYS], blocks: [0; RAYS], pops: [0; RAYS] };
     let mut walk = Walk { tree, stacks, top: [FLOOR as u32; RAYS], child: [tree.root; RAYS], lists };
     let mut lens = Lens::default();
     for i in (0..RAYS).filter(|i| bits >> i & 1 != 0) {
         walk.stacks.t_near[i][..FLOOR].fill(f32::NEG_INFINITY);
         walk.stacks.child[i][..FLOOR].fill(Child::NONE.0);
-        push_if(&mut walk.lists.nodes[0], &mut lens.nodes, i, !tree.root.is_leaf());
+        push_if(&mut walk.lists.nodes, &mut lens.nodes, i, !tree.root.is_leaf());
         push_if(&mut walk.lists.blocks, &mut lens.blocks, i, tree.root.is_leaf());
     }
     let mut candidates = [0u8; RAYS];
     while lens.nodes + lens.blocks + lens.pops > 0 {
-        let from = walk.lists.side & 1;
-        let side = 1 - from;
-        walk.lists.side = side;
         for k in 0..core::mem::take(&mut lens.nodes) {
-            let i = at(&walk.lists.nodes[from], k);
+            let i = at(&walk.lists.nodes, k);
             walk.step::<R>(&mut lens, i, lanes, best);
         }
         let mut count = 0;
@@ -163,15 +158,15 @@ fn walk<B: Block, R: Real>(
             let i = at(&walk.lists.blocks, k);
             let may_hit = tree.blocks[walk.child[i].index()].may_hit(&lanes.ray::<R::Eight>(i));
             push_if(&mut candidates, &mut count, i, may_hit);
-            push_if(&mut walk.lists.pops[side], &mut lens.pops, i, !may_hit);
+            push_if(&mut walk.lists.pops, &mut lens.pops, i, !may_hit);
         }
         for k in 0..count {
             let i = at(&candidates, k);
             let more = leaf(&tree.blocks[walk.child[i].index()], &lanes.ray(i), &mut best[i]);
-            push_if(&mut walk.lists.pops[side], &mut lens.pops, i, more);
+            push_if(&mut walk.lists.pops, &mut lens.pops, i, more);
         }
         for k in 0..core::mem::take(&mut lens.pops) {
-            let i = at(&walk.lists.pops[side], k);
+            let i = at(&walk.lists.pops, k);
             walk.pop::<R::Eight>(&mut lens, i, best[i].t);
         }
     }
