@@ -1,16 +1,18 @@
 //! Leaves: eight triangles or spheres side by side.
 
 use super::tree::{Block, OneHit, OneRay, PacketRay};
+use crate::geometry::plane_normal;
 use crate::geometry::slab::{own_hi, own_lo, slab, sphere_hi, sphere_lo};
-use crate::geometry::{Edges, Hit, MISS, RaySetup, Vertices, intersect_sphere, own_box, pass_edges, plane_normal};
+use crate::geometry::{Edges, Hit, MISS, RaySetup, Vertices, edges, intersect_sphere, largest, own_box, pass_edges};
 use crate::lane::{Bits, Mask, Real, axes};
+use core::hint::select_unpredictable;
 
 /// Eight triangles: coordinates by vertex and axis, so that a single ray's choice of axes is a choice of arrays.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
 pub struct TriangleBlock {
     v: [[[f32; 8]; 3]; 3],
-    /// [`MISS`] in empty places, which come last. Their vertices are all 0: no area, so no hit.
+    /// [`MISS`] in empty places, which come last. Their vertices are NaN: no ray passes their edges.
     id: [u32; 8],
 }
 
@@ -26,7 +28,7 @@ pub struct SphereBlock {
 
 impl TriangleBlock {
     pub fn new(ids: &[u32], vertices: impl Fn(usize) -> [[f32; 3]; 3]) -> Self {
-        let mut block = Self { v: [[[0.0; 8]; 3]; 3], id: [MISS; 8] };
+        let mut block = Self { v: [[[f32::NAN; 8]; 3]; 3], id: [MISS; 8] };
         for (place, id) in ids.iter().enumerate() {
             for (vertex, p) in vertices(*id as usize).iter().enumerate() {
                 for (axis, x) in p.iter().enumerate() {
@@ -49,20 +51,28 @@ impl TriangleBlock {
         axes(|vertex| axes(|k| R::splat(self.v[vertex][order[k]][i])))
     }
 
-    /// Candidates from place `i` on, and where the ray enters their own boxes.
+    /// Lanes from place `i` on that the ray passes between the edges of.
     #[inline(always)]
-    fn test_one<E: Real>(&self, ray: &OneRay<E>, i: usize, t_best: f32) -> Option<(Edges<E>, E::Mask, E)> {
-        let edges = pass_edges(&ray.setup.shear, self.load(ray.order, i), E::Mask::splat(true))?;
+    fn edges_one<E: Real>(&self, ray: &OneRay<E>, i: usize) -> Edges<E> {
+        edges(&ray.setup.shear, self.load(ray.order, i), E::Mask::splat(true))
+    }
+
+    /// Hits among places from `i` on up to `t_best`, and their distances.
+    #[inline(always)]
+    fn test_one<E: Real>(&self, ray: &OneRay<E>, i: usize, t_best: f32) -> (Edges<E>, E::Mask, E) {
+        let edges = self.edges_one(ray, i);
         let v: Vertices<E> = self.load([0, 1, 2], i);
-        let (mask, t) = edges.distance(&ray.setup, v[0], plane_normal(v), E::splat(t_best))?;
+        let normal = plane_normal(v);
+        let (mask, t) = edges.distances(&ray.setup, v[0], normal, largest(normal));
         let plane = |k: usize, upper: usize| {
             if upper != 0 { own_hi(v[0][k], v[1][k], v[2][k]) } else { own_lo(v[0][k], v[1][k], v[2][k]) }
         };
         let near = axes(|k| plane(k, ray.negative[k]));
         let far = axes(|k| plane(k, 1 - ray.negative[k]));
         let (t_near, t_far) = slab(near, far, ray.setup.origin, ray.setup.inverse);
+        let within = mask & t.le(E::splat(t_best)) & t_near.le(t_far);
         let t = t_near.max_or(t);
-        Some((edges, mask & t_near.le(t_far) & t.lt(E::splat(ray.t_max)), t))
+        (edges, within & t.lt(E::splat(ray.t_max)), t)
     }
 
     /// Triangle `i` against a packet: candidates and their final distances.
@@ -136,39 +146,41 @@ pub fn test_sphere<R: Real>(
     Some((mask & t_near.le(t_far), t_near.max_or(t)))
 }
 
-/// The best of the lanes of `bits` against the best so far.
+/// Which lane of `mask` beats the best so far, without branches: ids ascend, so the first of equals is the lowest.
 #[inline(always)]
-fn keep_one<E: Real>(mut bits: u32, t: E, ids: &[u32], best: &mut OneHit) -> Option<usize> {
-    let mut lane = None;
-    while bits != 0 {
-        let i = bits.trailing_zeros() as usize;
-        bits &= bits - 1;
-        let (t, primitive) = (t.lane(i), ids[i]);
-        if t < best.t || t == best.t && primitive < best.primitive {
-            (best.t, best.primitive) = (t, primitive);
-            lane = Some(i);
-        }
-    }
-    lane
+fn keep_one<E: Real>(mask: E::Mask, t: E, ids: &[u32; 8], first: usize, best: &mut OneHit) -> (usize, bool) {
+    let t = E::select(mask, t, E::splat(f32::INFINITY));
+    let least = t.lowest();
+    let among = (t.eq(E::splat(least)) & mask).bits();
+    let lane = among.trailing_zeros() as usize % E::WIDTH;
+    let primitive = ids[(first + lane) % 8];
+    let wins = (among != 0) & ((least < best.t) | (least == best.t) & (primitive < best.primitive));
+    best.t = select_unpredictable(wins, least, best.t);
+    best.primitive = select_unpredictable(wins, primitive, best.primitive);
+    (lane, wins)
 }
 
 impl Block for TriangleBlock {
     #[inline(always)]
+    fn may_hit<E: Real>(&self, ray: &OneRay<E>) -> bool {
+        (0..8).step_by(E::WIDTH).any(|i| self.edges_one(ray, i).inside.any())
+    }
+    #[inline(always)]
     fn closest_one<E: Real>(&self, ray: &OneRay<E>, best: &mut OneHit) {
         for i in (0..8).step_by(E::WIDTH) {
-            if E::WIDTH == 1 && self.id[i] == MISS {
-                break;
+            if E::WIDTH == 1 && (self.id[i] == MISS || self.edges_one(ray, i).inside.none()) {
+                continue;
             }
-            let Some((edges, mask, t)) = self.test_one(ray, i, best.t) else { continue };
-            if let Some(lane) = keep_one(mask.bits(), t, &self.id[i..], best) {
-                let (u, v) = edges.weights();
-                (best.u, best.v) = (u.lane(lane), v.lane(lane));
-            }
+            let (edges, mask, t) = self.test_one(ray, i, best.t);
+            let (lane, wins) = keep_one(mask, t, &self.id, i, best);
+            let (u, v) = edges.weights_of(lane);
+            best.u = select_unpredictable(wins, u, best.u);
+            best.v = select_unpredictable(wins, v, best.v);
         }
     }
     #[inline(always)]
     fn any_one<E: Real>(&self, ray: &OneRay<E>, t_max: f32) -> bool {
-        (0..8).step_by(E::WIDTH).any(|i| self.test_one(ray, i, t_max).is_some_and(|(_, mask, _)| mask.any()))
+        (0..8).step_by(E::WIDTH).any(|i| self.test_one(ray, i, t_max).1.any())
     }
     #[inline(always)]
     fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
@@ -223,10 +235,14 @@ impl SphereBlock {
 
 impl Block for SphereBlock {
     #[inline(always)]
+    fn may_hit<E: Real>(&self, _: &OneRay<E>) -> bool {
+        true
+    }
+    #[inline(always)]
     fn closest_one<E: Real>(&self, ray: &OneRay<E>, best: &mut OneHit) {
         for i in (0..8).step_by(E::WIDTH) {
             let Some((mask, t)) = self.test_one(ray, i, best.t) else { continue };
-            if keep_one(mask.bits(), t, &self.id[i..], best).is_some() {
+            if keep_one(mask, t, &self.id, i, best).1 {
                 (best.u, best.v) = (0.0, 0.0);
             }
         }

@@ -153,7 +153,9 @@ impl<B, F: FnMut(&[u32]) -> B> Collapse<'_, F> {
         let mut stack = vec![(Pending::Subtree(0), 0, None::<(usize, usize)>)];
         while let Some((pending, above, parent)) = stack.pop() {
             let child = match self.as_block(&pending) {
-                Some(ids) => {
+                Some(mut ids) => {
+                    // The lower of equals is then the first.
+                    ids.sort_unstable();
                     out.blocks.push((self.block)(&ids));
                     Child::leaf(out.blocks.len() - 1)
                 }

@@ -9,6 +9,7 @@ mod brute;
 mod build;
 mod collapse;
 mod facets;
+mod lanes;
 mod node;
 mod packet;
 mod single;
@@ -32,6 +33,22 @@ pub trait Mode: Copy + Send + Sync + 'static {
     fn closest<R: Real>(accel: &Accel, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>);
     #[doc(hidden)]
     fn any<R: Real>(accel: &Accel, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask;
+    /// [`Mode::closest`] of several packets.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn closest_many<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &mut [Hit<R>]) {
+        for ((ray, active), hit) in rays.iter().zip(active).zip(hits) {
+            *hit = accel.trace::<R, Self>(ray, *active);
+        }
+    }
+    /// [`Mode::any`] of several packets.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn any_many<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
+        for ((ray, active), found) in rays.iter().zip(active).zip(found) {
+            *found = accel.occluded::<R, Self>(ray, *active);
+        }
+    }
 }
 
 /// Every ray against every primitive: for some tens of primitives.
@@ -119,5 +136,17 @@ impl Accel {
     #[inline]
     pub fn occluded<R: Real, M: Mode>(&self, ray: &Ray<R>, active: R::Mask) -> R::Mask {
         M::any(self, &RaySetup::new(ray), ray.t_max, active & ray.usable())
+    }
+
+    /// [`Accel::trace`] of several packets, which a [`Stream`] walks together.
+    #[inline]
+    pub fn trace_many<R: Real, M: Mode>(&self, rays: &[Ray<R>], active: &[R::Mask], hits: &mut [Hit<R>]) {
+        M::closest_many(self, rays, active, hits);
+    }
+
+    /// [`Accel::occluded`] of several packets.
+    #[inline]
+    pub fn occluded_many<R: Real, M: Mode>(&self, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
+        M::any_many(self, rays, active, found);
     }
 }

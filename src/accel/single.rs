@@ -1,11 +1,11 @@
 //! One ray at a time through the tree, against eight boxes or primitives at once.
 
+use super::lanes::Lanes;
 use super::node::{Child, Node};
 use super::tree::{Block, OneHit, OneRay, STACK, Tree};
 use super::{Accel, Mode, Single};
-use crate::geometry::slab::slab;
 use crate::geometry::{Hit, MISS, RaySetup};
-use crate::lane::{Bits, Mask, Real, axes};
+use crate::lane::{Bits, Mask, Real};
 
 /// Children still to visit, with where the ray enters them.
 pub struct Stack {
@@ -28,11 +28,11 @@ impl Stack {
     /// Pushes the children of `node` that the ray enters before `t_best`, the nearest last.
     #[inline(always)]
     fn push_children<E: Real>(&mut self, node: &Node, ray: &OneRay<E>, t_best: f32) {
-        let order = node.order[ray.octant()];
+        let order = node.order[ray.octant];
         if E::WIDTH == 1 {
             for i in 8 - node.count()..8 {
                 let slot = (order >> (3 * i)) as usize & 7;
-                let (t_near, t_far) = enter(node, ray, slot);
+                let (t_near, t_far) = node.enter(ray, slot);
                 if (t_near.le(t_far) & t_near.le(E::splat(t_best))).any() {
                     self.t_near[self.len] = t_near.lane(0);
                     self.child[self.len] = node.children[slot];
@@ -40,7 +40,7 @@ impl Stack {
                 }
             }
         } else {
-            let (t_near, t_far) = enter(node, ray, 0);
+            let (t_near, t_far) = node.enter(ray, 0);
             let order = E::Bits::unpack_octal(order);
             let t_far = t_far.min_or(E::splat(t_best));
             // Permute first, compare after: the mask is wanted in the new order.
@@ -52,15 +52,6 @@ impl Stack {
             self.len += bits.count_ones() as usize;
         }
     }
-}
-
-/// The slab test of the children from `slot` on.
-#[inline(always)]
-pub fn enter<E: Real>(node: &Node, ray: &OneRay<E>, slot: usize) -> (E, E) {
-    let plane = |k: usize, upper: usize| E::load(&node.planes[2 * k + upper][slot..]);
-    let near = axes(|k| plane(k, ray.negative[k]));
-    let far = axes(|k| plane(k, 1 - ray.negative[k]));
-    slab(near, far, ray.setup.origin, ray.setup.inverse)
 }
 
 #[inline(always)]
@@ -93,65 +84,6 @@ fn any<B: Block, E: Real>(tree: &Tree<B>, ray: &OneRay<E>, stack: &mut Stack) ->
         next = stack.pop();
     }
     false
-}
-
-/// The values of each lane laid out, to be taken one at a time.
-pub struct Lanes {
-    origin: [[f32; 16]; 3],
-    direction: [[f32; 16]; 3],
-    inverse: [[f32; 16]; 3],
-    negative: [u32; 3],
-    order: [[u32; 16]; 3],
-    shear_origin: [[f32; 16]; 3],
-    shear_scale: [[f32; 16]; 3],
-    pub t_max: [f32; 16],
-}
-
-#[inline(always)]
-fn spread<R: Real>(x: R) -> [f32; 16] {
-    let mut out = [0.0; 16];
-    x.store(&mut out);
-    out
-}
-
-impl Lanes {
-    #[inline(always)]
-    pub fn new<R: Real>(setup: &RaySetup<R>, t_max: R) -> Self {
-        let spread_bits = |x: R::Bits| {
-            let mut out = [0; 16];
-            x.store(&mut out);
-            out
-        };
-        Self {
-            origin: axes(|k| spread(setup.origin[k])),
-            direction: axes(|k| spread(setup.direction[k])),
-            inverse: axes(|k| spread(setup.inverse[k])),
-            negative: axes(|k| setup.negative[k].bits()),
-            order: axes(|k| spread_bits(setup.order[k])),
-            shear_origin: axes(|k| spread(setup.shear.origin[k])),
-            shear_scale: axes(|k| spread(setup.shear.scale[k])),
-            t_max: spread(t_max),
-        }
-    }
-    #[inline(always)]
-    pub fn ray<E: Real>(&self, i: usize) -> OneRay<E> {
-        let splat = |v: &[[f32; 16]; 3]| axes(|k| E::splat(v[k][i]));
-        let order = axes(|k| self.order[k][i]);
-        let negative = axes(|k| (self.negative[k] >> i & 1) as usize);
-        OneRay {
-            setup: RaySetup {
-                origin: splat(&self.origin),
-                direction: splat(&self.direction),
-                inverse: splat(&self.inverse),
-                negative: axes(|k| E::Mask::splat(negative[k] != 0)),
-                order: axes(|k| E::Bits::splat(order[k])),
-                shear: crate::geometry::Shear { origin: splat(&self.shear_origin), scale: splat(&self.shear_scale) },
-            },
-            order: axes(|k| order[k] as usize % 3),
-            negative,
-            t_max: self.t_max[i],
-        }
-    }
 }
 
 impl Mode for Single {

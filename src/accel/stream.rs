@@ -1,138 +1,237 @@
 //! Many rays in flight, one step each in turn.
 //!
 //! A single ray waits for itself: which node comes next depends on the last test, 34 cycles for 4 of arithmetic, and on
-//! branches no predictor knows. Here each ray is in one of three lists (at a node, at a block, looking for its next
-//! child) and a step moves it to another by arithmetic instead of a branch, so that the steps of different rays overlap.
+//! branches no predictor knows. Here each ray is in one of four lists (at a node, at a block, at a block where it passes
+//! between some triangle's edges, looking for its next child) and a step moves it to another by arithmetic instead of a
+//! branch, so that the steps of different rays overlap, and what a ray needs next is fetched while the others move.
 
+use super::lanes::Lanes;
 use super::node::{Child, Node};
-use super::single::{Lanes, enter};
 use super::tree::{Block, OneHit, OneRay, STACK, Tree};
 use super::{Accel, Mode, Packet, Shadow, Single, Stream};
-use crate::geometry::{Hit, MISS, RaySetup};
-use crate::lane::{Bits, Mask, Real, prefetch};
+use crate::geometry::{Hit, MISS, Ray, RaySetup};
+use crate::lane::{Bits, Mask, Real};
+use core::hint::select_unpredictable;
 use std::cell::RefCell;
 
-/// Rays in flight at most: the widest packet.
-const RAYS: usize = 16;
+/// Rays in flight at most.
+pub const RAYS: usize = 64;
+
+/// Places below every stack whose entries are always open and lead nowhere, so that there is always one to take.
+const FLOOR: usize = 8;
 
 /// Children still to visit, for each ray.
 struct Stacks {
-    t_near: [[f32; STACK]; RAYS],
-    child: [[u32; STACK]; RAYS],
+    t_near: [[f32; FLOOR + STACK]; RAYS],
+    child: [[u32; FLOOR + STACK]; RAYS],
 }
+
+/// The rays in flight.
+struct Flight {
+    lanes: Lanes<RAYS>,
+    best: [OneHit; RAYS],
+    stacks: Stacks,
+}
+
+const NO_HIT: OneHit = OneHit { t: 0.0, primitive: 0, u: 0.0, v: 0.0 };
 
 thread_local! {
     // Too large to clear for every packet, and what a walk leaves behind is never read.
-    static STACKS: RefCell<Stacks> =
-        const { RefCell::new(Stacks { t_near: [[0.0; STACK]; RAYS], child: [[0; STACK]; RAYS] }) };
+    static FLIGHT: RefCell<Flight> = const {
+        RefCell::new(Flight {
+            lanes: Lanes::ZERO,
+            best: [NO_HIT; RAYS],
+            stacks: Stacks { t_near: [[0.0; FLOOR + STACK]; RAYS], child: [[0; FLOOR + STACK]; RAYS] },
+        })
+    };
 }
 
-/// Rays in one state.
+/// Rays by what they need next: a node tested, a block tested, a child found.
+struct Lists {
+    nodes: [u8; RAYS],
+    blocks: [u8; RAYS],
+    pops: [u8; RAYS],
+}
+
+/// How long the lists are: apart from them, so that it stays in registers.
 #[derive(Clone, Copy, Default)]
-struct List {
-    rays: [u8; RAYS],
-    len: usize,
+struct Lens {
+    nodes: usize,
+    blocks: usize,
+    pops: usize,
 }
 
-impl List {
-    /// Appends where `wanted`. Writing in place over what was already read is fine: a list never overtakes its reader.
-    #[inline(always)]
-    fn push_if(&mut self, ray: usize, wanted: bool) {
-        self.rays[self.len % RAYS] = ray as u8;
-        self.len += usize::from(wanted);
-    }
-    #[inline(always)]
-    fn take(&mut self) -> usize {
-        core::mem::take(&mut self.len)
-    }
-    #[inline(always)]
-    fn at(&self, k: usize) -> usize {
-        self.rays[k] as usize % RAYS
-    }
+/// Appends where `wanted`. Writing over what was already read is fine: a list never overtakes its reader.
+#[inline(always)]
+fn push_if(list: &mut [u8; RAYS], len: &mut usize, ray: usize, wanted: bool) {
+    list[*len % RAYS] = ray as u8;
+    *len += usize::from(wanted);
+}
+#[inline(always)]
+fn at(list: &[u8; RAYS], k: usize) -> usize {
+    list[k % RAYS] as usize % RAYS
 }
 
 struct Walk<'a, B> {
     tree: &'a Tree<B>,
     stacks: &'a mut Stacks,
-    len: [usize; RAYS],
+    /// First free place of each ray's stack.
+    top: [u32; RAYS],
     child: [Child; RAYS],
-    nodes: List,
-    blocks: List,
-    pops: List,
+    lists: Lists,
 }
 
 impl<B: Block> Walk<'_, B> {
-    /// Sends ray `i` to its next child if that is still before `t_best`, else to look on; ends it where none is left.
+    /// Sends ray `i` to `child`, or to look for one if there is `none`.
     #[inline(always)]
-    fn pop(&mut self, i: usize, t_best: f32) {
-        let more = self.len[i] > 0;
-        let top = self.len[i].saturating_sub(1);
-        let (t_near, child) = (self.stacks.t_near[i][top], Child(self.stacks.child[i][top]));
-        self.len[i] = top;
+    fn send(&mut self, lens: &mut Lens, i: usize, child: Child, some: bool) {
         self.child[i] = child;
-        let open = more & (t_near <= t_best);
-        self.nodes.push_if(i, open & !child.is_leaf());
-        self.blocks.push_if(i, open & child.is_leaf());
-        self.pops.push_if(i, more & !open);
-        // Whatever is no node is harmless to fetch.
-        prefetch(self.tree.nodes.as_ptr().wrapping_add(child.index()));
+        push_if(&mut self.lists.nodes, &mut lens.nodes, i, some & (child.kind() == 0));
+        push_if(&mut self.lists.blocks, &mut lens.blocks, i, some & child.is_leaf());
+        push_if(&mut self.lists.pops, &mut lens.pops, i, !some);
     }
 
-    /// Tests the children of ray `i`'s node and pushes those entered before `t_best`, the nearest last.
+    /// Sends ray `i` to the nearest child of its stack that is entered before `t_best`, or to look among the next.
     #[inline(always)]
-    fn step<E: Real>(&mut self, i: usize, ray: &OneRay<E>, t_best: f32) {
+    fn pop<E: Real>(&mut self, lens: &mut Lens, i: usize, t_best: f32) {
+        let below = self.top[i] as usize - FLOOR;
+        let open = E::load(&self.stacks.t_near[i][below..]).le_bits(E::splat(t_best));
+        let place = below + (u32::BITS - open.leading_zeros()).saturating_sub(1) as usize;
+        self.top[i] = place as u32;
+        self.send(lens, i, Child(self.stacks.child[i][place]), open != 0);
+    }
+
+    /// Tests the children of ray `i`'s node, goes to the nearest of those entered before its best hit and pushes the
+    /// others.
+    #[inline(always)]
+    fn step<R: Real>(&mut self, lens: &mut Lens, i: usize, lanes: &Lanes<RAYS>, best: &[OneHit; RAYS]) {
+        // Everything that can be out of bounds first: what follows is one block, whose loads fold into broadcasts.
         let node: &Node = &self.tree.nodes[self.child[i].index()];
-        let (t_near, t_far) = enter(node, ray, 0);
-        let order = E::Bits::unpack_octal(node.order[ray.octant()]);
-        let t_far = t_far.min_or(E::splat(t_best));
-        let (t_near, t_far) = (t_near.permute(order), t_far.permute(order));
-        let children = E::from_bits(E::Bits::load(&node.children)).permute(order);
-        let bits = t_near.le(t_far).bits();
-        t_near.compress(bits).store(&mut self.stacks.t_near[i][self.len[i]..]);
-        children.compress(bits).to_bits().store(&mut self.stacks.child[i][self.len[i]..]);
-        self.len[i] += bits.count_ones() as usize;
+        let top = self.top[i] as usize;
+        let t_nears = &mut self.stacks.t_near[i][top..top + 8];
+        let children = &mut self.stacks.child[i][top..top + 8];
+        let ray = lanes.ray::<R>(i);
+        let (bits, t_near, words) = node.entered(&ray, best[i].t);
+        t_near.compress(bits).store(t_nears);
+        R::Eight::from_bits(words).compress(bits).to_bits().store(children);
+        // The last of what was pushed is the nearest, and stays above the top.
+        self.top[i] = top as u32 + bits.count_ones().saturating_sub(1);
+        let nearest = node.child_at(ray.octant, (bits | 1).ilog2());
+        self.send(lens, i, nearest, bits != 0);
     }
 }
 
-/// Walks the rays of `bits`. `leaf` tests one against a block and returns up to where it is still wanted, or `None`
-/// when it is done.
+/// Walks the rays of `bits`. `leaf` tests one against a block that [may be hit](Block::may_hit) and says whether the
+/// ray wants more.
 #[inline(always)]
-fn walk<B: Block, E: Real>(
+fn walk<B: Block, R: Real>(
     tree: &Tree<B>,
-    lanes: &Lanes,
-    bits: u32,
-    mut t_best: [f32; RAYS],
-    stacks: &mut Stacks,
-    mut leaf: impl FnMut(&B, usize, &OneRay<E>) -> Option<f32>,
+    flight: &mut Flight,
+    bits: u64,
+    leaf: impl Fn(&B, &OneRay<R::Eight>, &mut OneHit) -> bool,
 ) {
     if tree.root == Child::NONE {
         return;
     }
-    let list = List::default();
-    let (len, child) = ([0; RAYS], [tree.root; RAYS]);
-    let mut walk = Walk { tree, stacks, len, child, nodes: list, blocks: list, pops: list };
+    let Flight { lanes, best, stacks } = flight;
+    let lists = Lists { nodes: [0; RAYS], blocks: [0; RAYS], pops: [0; RAYS] };
+    let mut walk = Walk { tree, stacks, top: [FLOOR as u32; RAYS], child: [tree.root; RAYS], lists };
+    let mut lens = Lens::default();
     for i in (0..RAYS).filter(|i| bits >> i & 1 != 0) {
-        walk.nodes.push_if(i, !tree.root.is_leaf());
-        walk.blocks.push_if(i, tree.root.is_leaf());
+        walk.stacks.t_near[i][..FLOOR].fill(f32::NEG_INFINITY);
+        walk.stacks.child[i][..FLOOR].fill(Child::NONE.0);
+        push_if(&mut walk.lists.nodes, &mut lens.nodes, i, !tree.root.is_leaf());
+        push_if(&mut walk.lists.blocks, &mut lens.blocks, i, tree.root.is_leaf());
     }
-    while walk.nodes.len + walk.blocks.len + walk.pops.len > 0 {
-        for k in 0..walk.nodes.take() {
-            let i = walk.nodes.at(k);
-            walk.step(i, &lanes.ray::<E>(i), t_best[i]);
-            walk.pop(i, t_best[i]);
+    let mut candidates = [0u8; RAYS];
+    while lens.nodes + lens.blocks + lens.pops > 0 {
+        for k in 0..core::mem::take(&mut lens.nodes) {
+            let i = at(&walk.lists.nodes, k);
+            walk.step::<R>(&mut lens, i, lanes, best);
         }
-        for k in 0..walk.blocks.take() {
-            let i = walk.blocks.at(k);
-            if let Some(t) = leaf(&tree.blocks[walk.child[i].index()], i, &lanes.ray(i)) {
-                t_best[i] = t;
-                walk.pops.push_if(i, true);
-            }
+        let mut count = 0;
+        for k in 0..core::mem::take(&mut lens.blocks) {
+            let i = at(&walk.lists.blocks, k);
+            let may_hit = tree.blocks[walk.child[i].index()].may_hit(&lanes.ray::<R::Eight>(i));
+            push_if(&mut candidates, &mut count, i, may_hit);
+            push_if(&mut walk.lists.pops, &mut lens.pops, i, !may_hit);
         }
-        for k in 0..walk.pops.take() {
-            let i = walk.pops.at(k);
-            walk.pop(i, t_best[i]);
+        for k in 0..count {
+            let i = at(&candidates, k);
+            let more = leaf(&tree.blocks[walk.child[i].index()], &lanes.ray(i), &mut best[i]);
+            push_if(&mut walk.lists.pops, &mut lens.pops, i, more);
+        }
+        for k in 0..core::mem::take(&mut lens.pops) {
+            let i = at(&walk.lists.pops, k);
+            walk.pop::<R::Eight>(&mut lens, i, best[i].t);
         }
     }
+}
+
+/// Lays out packets from `first` on; their live lanes as bits.
+#[inline(always)]
+fn board<R: Real>(flight: &mut Flight, rays: &[Ray<R>], active: &[R::Mask]) -> u64 {
+    let mut bits = 0;
+    for (k, (ray, active)) in rays.iter().zip(active).enumerate() {
+        let first = k * R::WIDTH;
+        flight.lanes.set(first, &RaySetup::new(ray), ray.t_max);
+        bits |= u64::from((*active & ray.usable()).bits()) << first;
+    }
+    for (best, t) in flight.best.iter_mut().zip(flight.lanes.t_max).take(rays.len() * R::WIDTH) {
+        *best = OneHit { t, primitive: MISS, u: 0.0, v: 0.0 };
+    }
+    bits
+}
+
+/// The closest hits of at most [`RAYS`] rays.
+#[inline(never)]
+fn closest<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &mut [Hit<R>]) {
+    FLIGHT.with_borrow_mut(|flight| {
+        let bits = board(flight, rays, active);
+        walk::<_, R>(&accel.triangle_tree, flight, bits, |block, ray, best| {
+            block.closest_one(ray, best);
+            true
+        });
+        walk::<_, R>(&accel.sphere_tree, flight, bits, |block, ray, best| {
+            block.closest_one(ray, best);
+            true
+        });
+        for (hit, best) in hits.iter_mut().zip(flight.best.chunks_exact(R::WIDTH)) {
+            *hit = Hit {
+                t: R::from_fn(|i| best[i].t),
+                primitive: R::Bits::from_fn(|i| best[i].primitive),
+                u: R::from_fn(|i| best[i].u),
+                v: R::from_fn(|i| best[i].v),
+            };
+        }
+    })
+}
+
+/// Which of at most [`RAYS`] rays hit anything.
+#[inline(never)]
+fn any<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
+    FLIGHT.with_borrow_mut(|flight| {
+        let bits = board(flight, rays, active);
+        walk::<_, R>(&accel.triangle_tree, flight, bits, |block, ray, best| {
+            let hit = block.any_one(ray, ray.t_max);
+            best.primitive = select_unpredictable(hit, 0, MISS);
+            !hit
+        });
+        let hits = |flight: &Flight| {
+            let hit = |i: &usize| bits >> i & 1 != 0 && flight.best[*i].primitive != MISS;
+            (0..RAYS).filter(hit).fold(0u64, |bits, i| bits | 1 << i)
+        };
+        let open = bits & !hits(flight);
+        walk::<_, R>(&accel.sphere_tree, flight, open, |block, ray, best| {
+            let hit = block.any_one(ray, ray.t_max);
+            best.primitive = select_unpredictable(hit, 0, MISS);
+            !hit
+        });
+        let all = hits(flight);
+        for (k, found) in found.iter_mut().enumerate() {
+            *found = R::Mask::from_bits((all >> (k * R::WIDTH)) as u32 & (u32::MAX >> (32 - R::WIDTH)));
+        }
+    })
 }
 
 impl Mode for Stream {
@@ -140,50 +239,33 @@ impl Mode for Stream {
 
     #[inline(always)]
     fn closest<R: Real>(accel: &Accel, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>) {
-        if R::WIDTH == 1 {
-            return Single::closest(accel, setup, active, hit);
-        }
-        let lanes = Lanes::new(setup, hit.t);
-        let mut best = lanes.t_max.map(|t| OneHit { t, primitive: MISS, u: 0.0, v: 0.0 });
-        STACKS.with_borrow_mut(|stacks| {
-            let bits = active.bits();
-            walk::<_, R::Eight>(&accel.triangle_tree, &lanes, bits, lanes.t_max, stacks, |block, i, ray| {
-                block.closest_one(ray, &mut best[i]);
-                Some(best[i].t)
-            });
-            let t_best = core::array::from_fn(|i| best[i].t);
-            walk::<_, R::Eight>(&accel.sphere_tree, &lanes, bits, t_best, stacks, |block, i, ray| {
-                block.closest_one(ray, &mut best[i]);
-                Some(best[i].t)
-            });
-        });
-        *hit = Hit {
-            t: R::from_fn(|i| best[i].t),
-            primitive: R::Bits::from_fn(|i| best[i].primitive),
-            u: R::from_fn(|i| best[i].u),
-            v: R::from_fn(|i| best[i].v),
-        };
+        Self::closest_many(accel, &[setup.ray(hit.t)], &[active], core::slice::from_mut(hit))
     }
-
     #[inline(always)]
     fn any<R: Real>(accel: &Accel, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask {
+        let mut found = active;
+        Self::any_many(accel, &[setup.ray(t_max)], &[active], core::slice::from_mut(&mut found));
+        found
+    }
+    #[inline(always)]
+    fn closest_many<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &mut [Hit<R>]) {
         if R::WIDTH == 1 {
-            return Single::any(accel, setup, t_max, active);
+            return Single::closest_many(accel, rays, active, hits);
         }
-        let lanes = Lanes::new(setup, t_max);
-        let mut found = 0;
-        STACKS.with_borrow_mut(|stacks| {
-            let t_max = lanes.t_max;
-            walk::<_, R::Eight>(&accel.triangle_tree, &lanes, active.bits(), t_max, stacks, |block, i, ray| {
-                found |= u32::from(block.any_one(ray, ray.t_max)) << i;
-                (found >> i & 1 == 0).then_some(ray.t_max)
-            });
-            walk::<_, R::Eight>(&accel.sphere_tree, &lanes, active.bits() & !found, t_max, stacks, |block, i, ray| {
-                found |= u32::from(block.any_one(ray, ray.t_max)) << i;
-                (found >> i & 1 == 0).then_some(ray.t_max)
-            });
-        });
-        R::Mask::from_bits(found)
+        let packets = RAYS / R::WIDTH;
+        for ((rays, active), hits) in rays.chunks(packets).zip(active.chunks(packets)).zip(hits.chunks_mut(packets)) {
+            closest(accel, rays, active, hits);
+        }
+    }
+    #[inline(always)]
+    fn any_many<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
+        if R::WIDTH == 1 {
+            return Single::any_many(accel, rays, active, found);
+        }
+        let packets = RAYS / R::WIDTH;
+        for ((rays, active), found) in rays.chunks(packets).zip(active.chunks(packets)).zip(found.chunks_mut(packets)) {
+            any(accel, rays, active, found);
+        }
     }
 }
 
@@ -218,5 +300,40 @@ impl Mode for Shadow {
         } else {
             Stream::any(accel, setup, t_max, active)
         }
+    }
+
+    /// Packets whose lanes have parted go together.
+    #[inline(always)]
+    fn any_many<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
+        if R::WIDTH == 1 {
+            return Single::any_many(accel, rays, active, found);
+        }
+        for at in (0..rays.len()).step_by(TOGETHER) {
+            let end = rays.len().min(at + TOGETHER);
+            shadow_packets(accel, &rays[at..end], &active[at..end], &mut found[at..end]);
+        }
+    }
+}
+
+/// Packets of shadow rays looked at together.
+const TOGETHER: usize = 8;
+
+#[inline(always)]
+fn shadow_packets<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
+    let mut parted = ([rays[0]; TOGETHER], [R::Mask::splat(false); TOGETHER], [0; TOGETHER]);
+    let mut count = 0;
+    for (k, (ray, active)) in rays.iter().zip(active).enumerate() {
+        let (setup, usable) = (RaySetup::new(ray), *active & ray.usable());
+        if coherent(&setup, usable) {
+            found[k] = Packet::any(accel, &setup, ray.t_max, usable);
+        } else {
+            (parted.0[count], parted.1[count], parted.2[count]) = (*ray, *active, k);
+            count += 1;
+        }
+    }
+    let mut hidden = [R::Mask::splat(false); TOGETHER];
+    Stream::any_many(accel, &parted.0[..count], &parted.1[..count], &mut hidden[..count]);
+    for (k, hidden) in parted.2.iter().zip(hidden).take(count) {
+        found[*k] = hidden;
     }
 }

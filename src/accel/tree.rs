@@ -3,7 +3,7 @@
 use super::collapse::collapse;
 use super::node::{Child, Node};
 use super::{Preset, build};
-use crate::geometry::{Bounds, Hit, RaySetup};
+use crate::geometry::{Bounds, Hit, RaySetup, Shear};
 use crate::lane::{Bits, Mask, Real, axes};
 
 /// Nodes on the longest way down are at most this many (see [`collapse`]), so a walk never holds more than
@@ -13,7 +13,9 @@ pub const STACK: usize = MAX_DEPTH * 7 + 16;
 
 /// Up to eight primitives side by side.
 pub trait Block: Copy + Send + Sync {
-    /// One ray against all; `E` is the width that the eight are taken in.
+    /// Cheaply, whether one ray can hit any: false only where it hits none. `E` is the width that the eight are taken in.
+    fn may_hit<E: Real>(&self, ray: &OneRay<E>) -> bool;
+    /// One ray against all.
     fn closest_one<E: Real>(&self, ray: &OneRay<E>, best: &mut OneHit);
     fn any_one<E: Real>(&self, ray: &OneRay<E>, t_max: f32) -> bool;
     /// A packet against each in turn.
@@ -29,14 +31,22 @@ pub struct OneRay<E: Real> {
     pub order: [usize; 3],
     /// 1 where the direction is negative.
     pub negative: [usize; 3],
+    /// Which octant the direction points to: bit k for a negative component k.
+    pub octant: usize,
     pub t_max: f32,
 }
 
-impl<E: Real> OneRay<E> {
-    /// Which octant the direction points to: bit k for a negative component k.
+impl<R: Real> OneRay<R> {
+    /// The same in as many lanes as a node has children.
     #[inline(always)]
-    pub fn octant(&self) -> usize {
-        self.negative[0] | self.negative[1] << 1 | self.negative[2] << 2
+    pub fn eight(&self) -> OneRay<R::Eight> {
+        let narrow = |v: [R; 3]| axes(|k| R::Eight::splat(v[k].lane(0)));
+        let negative = axes(|k| <R::Eight as Real>::Mask::splat(self.negative[k] != 0));
+        let order = axes(|k| <R::Eight as Real>::Bits::splat(self.order[k] as u32));
+        let shear = Shear { origin: narrow(self.setup.shear.origin), scale: narrow(self.setup.shear.scale) };
+        let (origin, direction) = (narrow(self.setup.origin), narrow(self.setup.direction));
+        let setup = RaySetup { origin, direction, inverse: narrow(self.setup.inverse), negative, order, shear };
+        OneRay { setup, order: self.order, negative: self.negative, octant: self.octant, t_max: self.t_max }
     }
 }
 

@@ -29,4 +29,4 @@ pub use slab::{BOX_MARGIN, Bounds};
 pub use spawn::{SurfacePoint, offset_origin, point_shadow_ray, shadow_ray, sphere_point, triangle_point};
 pub use sphere::intersect_sphere;
 pub use triangle::{Edges, RaySetup, SharedEdge, Shear, Vertices, first_of_pair, second_of_pair};
-pub use triangle::{largest, own_box, pass_edges, plane_normal};
+pub use triangle::{edges, largest, own_box, pass_edges, plane_normal};

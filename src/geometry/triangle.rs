@@ -74,6 +74,12 @@ impl<R: Real> RaySetup<R> {
             shear: Shear { origin: o, scale: [d[0] / d[2], d[1] / d[2], d[2].recip()] },
         }
     }
+    /// The ray this was made of.
+    #[inline(always)]
+    pub fn ray(&self, t_max: R) -> Ray<R> {
+        let vector = |v: [R; 3]| Vec3::new(v[0], v[1], v[2]);
+        Ray::new(vector(self.origin), vector(self.direction), t_max)
+    }
     /// Bounds in the order (near, far) that this ray meets them.
     #[inline(always)]
     pub fn near_far(&self, lo: [R; 3], hi: [R; 3]) -> ([R; 3], [R; 3]) {
@@ -133,11 +139,17 @@ impl<R: Real> SharedEdge<R> {
     }
 }
 
-/// The edge test, `None` where no lane of `active` passes: see [`edges`].
+/// The edge test of one triangle. Zero counts as inside.
+#[inline(always)]
+pub fn edges<R: Real>(shear: &Shear<R>, v: Vertices<R>, active: R::Mask) -> Edges<R> {
+    let (a, b, c) = (shear.apply(v[0]), shear.apply(v[1]), shear.apply(v[2]));
+    edges_of(a, b, c, SharedEdge::new(a, c).as_edge1(), SharedEdge::new(b, a).as_edge1(), active)
+}
+
+/// [`edges`], `None` where no lane of `active` passes.
 #[inline(always)]
 pub fn pass_edges<R: Real>(shear: &Shear<R>, v: Vertices<R>, active: R::Mask) -> Option<Edges<R>> {
-    let (a, b, c) = (shear.apply(v[0]), shear.apply(v[1]), shear.apply(v[2]));
-    let edges = edges_of(a, b, c, SharedEdge::new(a, c).as_edge1(), SharedEdge::new(b, a).as_edge1(), active);
+    let edges = edges(shear, v, active);
     if edges.inside.none() { None } else { Some(edges) }
 }
 
@@ -167,6 +179,13 @@ impl<R: Real> Edges<R> {
     #[inline(always)]
     pub fn weights(&self) -> (R, R) {
         Self::normalised(self.weights, self.sum)
+    }
+
+    /// [`Edges::weights`] of one lane.
+    #[inline(always)]
+    pub fn weights_of(&self, lane: usize) -> (f32, f32) {
+        let sum = self.sum.lane(lane);
+        (self.weights[0].lane(lane) / sum + 0.0, self.weights[1].lane(lane) / sum + 0.0)
     }
 
     /// Weights of vertices 1 and 2 from edge values and their sum. A zero has no sign: which one an edge value has depends

@@ -25,7 +25,19 @@ const MAX_LAYERS: u32 = 1024;
 /// The closest hits that stop their ray. `rng` is where the numbers of `bounce` begin; it is only looked at.
 #[inline(always)]
 pub fn closest<R: Real, M: Mode>(world: &World, ray: &Ray<R>, rng: &Sampler<R>, bounce: R, active: R::Mask) -> Hit<R> {
-    let hit = world.closest::<R, M>(ray, active);
+    stopping::<R, M>(world, ray, rng, bounce, world.closest::<R, M>(ray, active), active)
+}
+
+/// The same, of rays whose closest hits are known.
+#[inline(always)]
+pub fn stopping<R: Real, M: Mode>(
+    world: &World,
+    ray: &Ray<R>,
+    rng: &Sampler<R>,
+    bounce: R,
+    hit: Hit<R>,
+    active: R::Mask,
+) -> Hit<R> {
     if world.plan.cutouts { pass::<R, M>(world, ray, || rng.opacity(world.sampler, bounce), hit, active) } else { hit }
 }
 

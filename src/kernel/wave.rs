@@ -21,6 +21,9 @@ use core::marker::PhantomData;
 /// Paths of a worker on their way at once: they and what waits stay in the second cache; 128 were up to 5 % slower.
 const POOL: usize = 512;
 
+/// Packets traced together.
+const TOGETHER: usize = 8;
+
 /// Values a path keeps from vertex to vertex, and with its hit.
 const GOING: usize = 17;
 const HIT: usize = GOING + 4;
@@ -65,7 +68,7 @@ pub(super) struct Wave<'a, R: Real, T, S, P> {
 }
 
 impl<'a, R: Real, T: Traversal, S: ShadingKind, P: Probe> Wave<'a, R, T, S, P> {
-    /// Nothing on its way; room for `pool` ≥ 1 paths.
+    /// Nothing on its way; room for `pool` paths, and one packet at least.
     pub fn new(
         world: &'a World,
         pool: usize,
@@ -73,6 +76,8 @@ impl<'a, R: Real, T: Traversal, S: ShadingKind, P: Probe> Wave<'a, R, T, S, P> {
         counters: &'a mut Counters,
         probe: &'a mut P,
     ) -> Self {
+        // Hits that wait are fewer than a packet: so there are always paths to go on with, or room for more.
+        let pool = pool.max(R::WIDTH);
         let room = pool + 2 * R::WIDTH;
         Wave {
             world,
@@ -95,13 +100,8 @@ impl<'a, R: Real, T: Traversal, S: ShadingKind, P: Probe> Wave<'a, R, T, S, P> {
         let mut more = true;
         loop {
             core::mem::swap(&mut self.going, &mut self.next);
-            for first in (0..self.going.len()).step_by(R::WIDTH) {
-                let (row, alive) = self.going.packet(first);
-                let mut paths = unpack(&row, alive);
-                self.counters.traced(false, alive);
-                paths.hit =
-                    cutout::closest::<R, T::Bounce>(self.world, &paths.ray, &paths.rng, paths.bounce, paths.alive);
-                self.arrive(paths);
+            for first in (0..self.going.len()).step_by(R::WIDTH * TOGETHER) {
+                self.trace(first);
             }
             self.going.clear();
             while more && self.next.len() + self.hits.len() < self.pool {
@@ -122,6 +122,26 @@ impl<'a, R: Real, T: Traversal, S: ShadingKind, P: Probe> Wave<'a, R, T, S, P> {
             self.add_environment();
         }
         self.tap_ends();
+    }
+
+    /// Traces the packets from `first` on.
+    fn trace(&mut self, first: usize) {
+        let count = (self.going.len() - first).div_ceil(R::WIDTH).min(TOGETHER);
+        let nowhere = Ray::new(Vec3::zero(), Vec3::zero(), R::zero());
+        let (mut rays, mut active) = ([nowhere; TOGETHER], [R::Mask::splat(false); TOGETHER]);
+        let mut hits = [Hit::miss(R::zero()); TOGETHER];
+        for k in 0..count {
+            let (row, alive) = self.going.packet(first + k * R::WIDTH);
+            (rays[k], active[k]) = (unpack(&row, alive).ray, alive);
+            self.counters.traced(false, alive);
+        }
+        self.world.closest_many::<R, T::Bounce>(&rays[..count], &active[..count], &mut hits[..count]);
+        for (k, hit) in hits[..count].iter().enumerate() {
+            let (row, alive) = self.going.packet(first + k * R::WIDTH);
+            let mut paths = unpack(&row, alive);
+            paths.hit = cutout::stopping::<R, T::Bounce>(self.world, &paths.ray, &paths.rng, paths.bounce, *hit, alive);
+            self.arrive(paths);
+        }
     }
 
     /// Rays have been traced: those that hit are shaded as soon as they fill a packet.
@@ -214,24 +234,41 @@ impl<'a, R: Real, T: Traversal, S: ShadingKind, P: Probe> Wave<'a, R, T, S, P> {
 
     /// Adds what no shadow ray of this generation finds hidden.
     fn trace_shadows(&mut self) {
-        while !self.shadows.is_empty() {
-            self.trace_shadow_packet();
+        for first in (0..self.shadows.len()).step_by(R::WIDTH * TOGETHER) {
+            self.trace_some_shadows(first);
         }
+        self.shadows.clear();
         self.tap_ends();
     }
 
+    /// Of the packets from `first` on.
     #[inline(never)]
-    fn trace_shadow_packet(&mut self) {
-        let ([ox, oy, oz, dx, dy, dz, t_max, r, g, b, slot, bounce], carries) = self.shadows.pop();
+    fn trace_some_shadows(&mut self, first: usize) {
+        let count = (self.shadows.len() - first).div_ceil(R::WIDTH).min(TOGETHER);
+        let none = R::Mask::splat(false);
+        let mut rays = [Ray::new(Vec3::zero(), Vec3::zero(), R::zero()); TOGETHER];
+        let (mut active, mut occluded) = ([none; TOGETHER], [none; TOGETHER]);
+        for k in 0..count {
+            let (row, carries) = self.shadows.packet(first + k * R::WIDTH);
+            (rays[k], active[k]) = (shadow_ray(&row), carries);
+        }
+        self.world.occluded_many::<R, T::Shadow>(&rays[..count], &active[..count], &mut occluded[..count]);
+        for k in 0..count {
+            let (row, carries) = self.shadows.packet(first + k * R::WIDTH);
+            self.add_unhidden(&row, carries, occluded[k]);
+        }
+    }
+
+    #[inline(always)]
+    fn add_unhidden(&mut self, row: &[R; SHADOW], carries: R::Mask, occluded: R::Mask) {
+        let [.., r, g, b, slot, bounce] = *row;
         let (world, contribution) = (self.world, Vec3::new(r, g, b));
-        let ray = Ray { origin: Vec3::new(ox, oy, oz), direction: Vec3::new(dx, dy, dz), t_max };
         let lanes = |active| Lanes::<R> { slot: slot.to_bits(), bounce, active };
-        let occluded = world.occluded::<R, T::Shadow>(&ray, carries);
         let occluded = self.probe.tap_mask(Stage::Shadow, lanes(carries), occluded);
         self.out.add(slot.to_bits(), contribution, carries & !occluded);
         let hidden = carries & occluded;
         if world.plan.cutouts && hidden.any() {
-            let clear = cutout::transmittance::<R, T::Bounce>(world, &ray, hidden);
+            let clear = cutout::transmittance::<R, T::Bounce>(world, &shadow_ray(row), hidden);
             let clear = self.probe.tap(Stage::Shadow, lanes(hidden), clear);
             self.out.add(slot.to_bits(), contribution * clear, hidden);
         }
@@ -274,6 +311,12 @@ fn pack_shadows<R: Real>(direct: &Direct<R>, paths: &Paths<R>) -> [R; SHADOW] {
     let Ray { origin: o, direction: d, t_max } = direct.ray;
     let c = direct.contribution;
     [o.x, o.y, o.z, d.x, d.y, d.z, t_max, c.x, c.y, c.z, R::from_bits(paths.slot), paths.bounce]
+}
+
+#[inline(always)]
+fn shadow_ray<R: Real>(row: &[R; SHADOW]) -> Ray<R> {
+    let [ox, oy, oz, dx, dy, dz, t_max, ..] = *row;
+    Ray { origin: Vec3::new(ox, oy, oz), direction: Vec3::new(dx, dy, dz), t_max }
 }
 
 /// Paths on their way, without a hit.

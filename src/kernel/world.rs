@@ -149,6 +149,18 @@ impl World {
         self.accel.occluded::<R, M>(ray, active)
     }
 
+    /// [`World::closest`] of several packets.
+    #[inline(never)]
+    pub fn closest_many<R: Real, M: Mode>(&self, rays: &[Ray<R>], active: &[R::Mask], hits: &mut [Hit<R>]) {
+        self.accel.trace_many::<R, M>(rays, active, hits)
+    }
+
+    /// [`World::occluded`] of several packets.
+    #[inline(never)]
+    pub fn occluded_many<R: Real, M: Mode>(&self, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
+        self.accel.occluded_many::<R, M>(rays, active, found)
+    }
+
     /// A sample of some light as seen from `p`.
     #[inline(never)]
     pub fn sample_light<R: Real>(&self, p: Vec3<R>, u_choice: R, u: [R; 2], active: R::Mask) -> Option<LightSample<R>> {

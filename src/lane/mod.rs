@@ -92,7 +92,7 @@ pub trait Bits:
     fn load(slice: &[u32]) -> Self;
     /// Writes as many values as there are lanes. Panics if `slice` is shorter.
     fn store(self, slice: &mut [u32]);
-    /// Lane `i` < 8 is `word >> 3·i`, for [`Real::permute`]: eight packed indices of three bits.
+    /// Lane `i` is `word >> 3·(i mod 8)`, for [`Real::permute`]: eight packed indices of three bits.
     fn unpack_octal(word: u32) -> Self;
     /// Logical shift left, `K < 32`.
     fn shl<const K: i32>(self) -> Self;
@@ -180,6 +180,15 @@ pub trait Real:
     fn permute(self, index: Self::Bits) -> Self;
     /// The lanes of `bits` (a [`Mask::bits`]) moved to the front, in order; the others are unspecified.
     fn compress(self, bits: u32) -> Self;
+    /// Lanes 0 … 7 (at width 1: all there is).
+    fn lower(self) -> Self::Eight;
+    /// Lanes 8 … 15 (below width 16: all there is).
+    fn upper(self) -> Self::Eight;
+    /// `self.le(other).bits()`
+    #[inline(always)]
+    fn le_bits(self, other: Self) -> u32 {
+        self.le(other).bits()
+    }
     /// The smallest lane. Exact, so in any order. Domain: no NaN.
     fn lowest(self) -> f32;
     /// The largest lane. Exact, so in any order. Domain: no NaN.

@@ -56,8 +56,48 @@ fn join(low: f32x8, high: f32x8) -> f32x16 {
 }
 #[inline(always)]
 fn split(v: f32x16) -> [f32x8; 2] {
+    #[cfg(all(target_feature = "avx512f", target_feature = "avx512dq"))]
     // SAFETY: as in `join`.
-    unsafe { core::mem::transmute::<f32x16, [f32x8; 2]>(v) }
+    unsafe {
+        use core::arch::x86_64::*;
+        let v = v.into();
+        [f32x8::from(_mm512_castps512_ps256(v)), f32x8::from(_mm512_extractf32x8_ps::<1>(v))]
+    }
+    #[cfg(not(all(target_feature = "avx512f", target_feature = "avx512dq")))]
+    // SAFETY: as in `join`.
+    unsafe {
+        core::mem::transmute::<f32x16, [f32x8; 2]>(v)
+    }
+}
+/// The halves of a register; of one of eight, itself twice.
+#[inline(always)]
+pub fn halves8(v: f32x8) -> [f32x8; 2] {
+    [v, v]
+}
+#[inline(always)]
+pub fn halves16(v: f32x16) -> [f32x8; 2] {
+    split(v)
+}
+
+/// Lanes where a ≤ b, as bits.
+#[inline(always)]
+pub fn le_bits8(a: f32x8, b: f32x8) -> u32 {
+    #[cfg(all(target_feature = "avx512f", target_feature = "avx512vl"))]
+    // SAFETY: the build has AVX-512VL; registers only.
+    unsafe {
+        use core::arch::x86_64::*;
+        u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(a.into(), b.into()))
+    }
+    #[cfg(not(all(target_feature = "avx512f", target_feature = "avx512vl")))]
+    {
+        use super::Mask;
+        a.le(b).bits()
+    }
+}
+#[inline(always)]
+pub fn le_bits16(a: f32x16, b: f32x16) -> u32 {
+    use super::Mask;
+    a.le(b).bits()
 }
 
 /// Column `c` of eight rows of four.

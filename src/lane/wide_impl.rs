@@ -17,7 +17,7 @@ pub(super) trait MaskOps<F, U>: Mask {
 /// [`Bits`] and [`Real`] for one of the register types of `wide`.
 macro_rules! wide_lanes {
     ($width:literal, $f:ident, $u:ident, $i:ident, $mask:ident, $eight:ident,
-     $lookup4:ident, $rows:ident, $permute:ident, $compress:ident, $extreme:ident) => {
+     $lookup4:ident, $rows:ident, $permute:ident, $compress:ident, $extreme:ident, $halves:ident, $le_bits:ident) => {
         impl Bits for $u {
             type Mask = $mask;
             #[inline(always)]
@@ -48,7 +48,7 @@ macro_rules! wide_lanes {
             }
             #[inline(always)]
             fn unpack_octal(word: u32) -> Self {
-                $u::splat(word) >> $u::new(crate::lane::array::from_fn(|i| (3 * i as u32).min(31)))
+                $u::splat(word) >> $u::new(crate::lane::array::from_fn(|i| 3 * (i as u32 % 8)))
             }
             #[inline(always)]
             fn shl<const K: i32>(self) -> Self {
@@ -203,6 +203,18 @@ macro_rules! wide_lanes {
             #[inline(always)]
             fn compress(self, bits: u32) -> Self {
                 super::shuffle::$compress(self, bits)
+            }
+            #[inline(always)]
+            fn lower(self) -> $eight {
+                super::shuffle::$halves(self)[0]
+            }
+            #[inline(always)]
+            fn upper(self) -> $eight {
+                super::shuffle::$halves(self)[1]
+            }
+            #[inline(always)]
+            fn le_bits(self, other: Self) -> u32 {
+                super::shuffle::$le_bits(self, other)
             }
             #[inline(always)]
             fn lowest(self) -> f32 {

@@ -222,6 +222,14 @@ impl Real for f32 {
         self
     }
     #[inline(always)]
+    fn lower(self) -> f32 {
+        self
+    }
+    #[inline(always)]
+    fn upper(self) -> f32 {
+        self
+    }
+    #[inline(always)]
     fn lowest(self) -> f32 {
         self
     }

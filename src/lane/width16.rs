@@ -3,7 +3,10 @@
 use super::{Bits, Mask, Real, reinterpret};
 use wide::{f32x8, f32x16, i32x16, u32x16};
 
-super::wide_lanes!(16, f32x16, u32x16, i32x16, Mask16, f32x8, lookup4_16, rows16, permute16, compress16, extreme16);
+super::wide_lanes!(
+    16, f32x16, u32x16, i32x16, Mask16, f32x8, lookup4_16, rows16, permute16, compress16, extreme16, halves16,
+    le_bits16
+);
 
 /// Width 16 of [`Mask`] without AVX-512: every bit of a true lane is set.
 #[cfg(not(target_feature = "avx512f"))]

@@ -3,7 +3,7 @@
 use super::files::RaySet;
 use super::{SetReport, TraceMode};
 use crate::accel::{Accel, Brute, Mode, Packet, Shadow, Single, Stream};
-use crate::geometry::{MISS, Ray};
+use crate::geometry::{Hit, MISS, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3, f32x8, f32x16};
 use crate::process::{allowed_cores, pin_to_core, thread_cpu_seconds};
 use std::panic::resume_unwind;
@@ -119,19 +119,34 @@ fn run(accel: &Accel, rays: &RaySet, pass: Pass, threads: usize, out: &mut Outpu
     })
 }
 
+/// Packets given to a mode at a time.
+const PACKETS: usize = 16;
+
 fn trace_chunk<R: Real, M: Mode>(accel: &Accel, rays: &RaySet, first: usize, t: &mut [f32], primitive: &mut [u32]) {
-    let all = R::Mask::splat(true);
-    for k in (0..t.len()).step_by(R::WIDTH) {
-        let column = |c: usize| R::load(&rays.columns[c][first + k..]);
-        let ray =
-            Ray::new(Vec3::new(column(0), column(1), column(2)), Vec3::new(column(3), column(4), column(5)), column(6));
+    let all = [R::Mask::splat(true); PACKETS];
+    let packet = |at: usize| {
+        let column = |c: usize| R::load(&rays.columns[c][at..]);
+        Ray::new(Vec3::new(column(0), column(1), column(2)), Vec3::new(column(3), column(4), column(5)), column(6))
+    };
+    let mut packets = [packet(first); PACKETS];
+    let (mut hits, mut found) = ([Hit::miss(R::zero()); PACKETS], all);
+    for k in (0..t.len()).step_by(R::WIDTH * PACKETS) {
+        let count = PACKETS.min((t.len() - k) / R::WIDTH);
+        for (i, packet_at) in packets[..count].iter_mut().enumerate() {
+            *packet_at = packet(first + k + i * R::WIDTH);
+        }
         if rays.any {
-            let hit = accel.occluded::<R, M>(&ray, all);
-            R::Bits::select(hit, R::Bits::splat(0), R::Bits::splat(MISS)).store(&mut primitive[k..]);
+            accel.occluded_many::<R, M>(&packets[..count], &all[..count], &mut found[..count]);
+            for (i, hit) in found[..count].iter().enumerate() {
+                let word = R::Bits::select(*hit, R::Bits::splat(0), R::Bits::splat(MISS));
+                word.store(&mut primitive[k + i * R::WIDTH..]);
+            }
         } else {
-            let hit = accel.trace::<R, M>(&ray, all);
-            hit.t.store(&mut t[k..]);
-            hit.primitive.store(&mut primitive[k..]);
+            accel.trace_many::<R, M>(&packets[..count], &all[..count], &mut hits[..count]);
+            for (i, hit) in hits[..count].iter().enumerate() {
+                hit.t.store(&mut t[k + i * R::WIDTH..]);
+                hit.primitive.store(&mut primitive[k + i * R::WIDTH..]);
+            }
         }
     }
 }

@@ -1,0 +1,84 @@
+//! Rays laid out by value, to be taken one at a time.
+
+use super::tree::OneRay;
+use crate::geometry::{RaySetup, Shear};
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real, axes};
+
+/// `N` rays: a packet, or all that are in flight together.
+pub struct Lanes<const N: usize> {
+    origin: [[f32; N]; 3],
+    direction: [[f32; N]; 3],
+    inverse: [[f32; N]; 3],
+    /// See [`OneRay::octant`].
+    octant: [u32; N],
+    order: [[u32; N]; 3],
+    shear_origin: [[f32; N]; 3],
+    shear_scale: [[f32; N]; 3],
+    pub t_max: [f32; N],
+}
+
+/// Writes a register to places `first` …
+#[inline(always)]
+fn put<R: Real>(x: R, to: &mut [f32], first: usize) {
+    x.store(&mut to[first..first + R::WIDTH]);
+}
+
+impl<const N: usize> Lanes<N> {
+    pub const ZERO: Self = Self {
+        origin: [[0.0; N]; 3],
+        direction: [[0.0; N]; 3],
+        inverse: [[0.0; N]; 3],
+        octant: [0; N],
+        order: [[0; N]; 3],
+        shear_origin: [[0.0; N]; 3],
+        shear_scale: [[0.0; N]; 3],
+        t_max: [0.0; N],
+    };
+
+    /// A packet goes to places `first` …
+    #[inline(always)]
+    pub fn set<R: Real>(&mut self, first: usize, setup: &RaySetup<R>, t_max: R) {
+        for k in 0..3 {
+            put(setup.origin[k], &mut self.origin[k], first);
+            put(setup.direction[k], &mut self.direction[k], first);
+            put(setup.inverse[k], &mut self.inverse[k], first);
+            put(setup.shear.origin[k], &mut self.shear_origin[k], first);
+            put(setup.shear.scale[k], &mut self.shear_scale[k], first);
+            setup.order[k].store(&mut self.order[k][first..first + R::WIDTH]);
+        }
+        let bit = |k: usize| R::Bits::select(setup.negative[k], R::Bits::splat(1 << k), R::Bits::splat(0));
+        (bit(0) | bit(1) | bit(2)).store(&mut self.octant[first..first + R::WIDTH]);
+        put(t_max, &mut self.t_max, first);
+    }
+    #[inline(always)]
+    pub fn ray<E: Real>(&self, i: usize) -> OneRay<E> {
+        let splat = |v: &[[f32; N]; 3]| axes(|k| E::splat(v[k][i]));
+        let order = axes(|k| self.order[k][i]);
+        let octant = self.octant[i] as usize & 7;
+        let negative = axes(|k| octant >> k & 1);
+        OneRay {
+            setup: RaySetup {
+                origin: splat(&self.origin),
+                direction: splat(&self.direction),
+                inverse: splat(&self.inverse),
+                negative: axes(|k| E::Mask::splat(negative[k] != 0)),
+                order: axes(|k| E::Bits::splat(order[k])),
+                shear: Shear { origin: splat(&self.shear_origin), scale: splat(&self.shear_scale) },
+            },
+            order: axes(|k| (order[k] as usize).min(2)),
+            negative,
+            octant,
+            t_max: self.t_max[i],
+        }
+    }
+}
+
+impl Lanes<MAX_WIDTH> {
+    /// One packet.
+    #[inline(always)]
+    pub fn new<R: Real>(setup: &RaySetup<R>, t_max: R) -> Self {
+        let mut lanes = Self::ZERO;
+        lanes.set(0, setup, t_max);
+        lanes
+    }
+}
