@@ -65,7 +65,7 @@ pub(super) struct Wave<'a, R: Real, T, S, P> {
 }
 
 impl<'a, R: Real, T: Traversal, S: ShadingKind, P: Probe> Wave<'a, R, T, S, P> {
-    /// Nothing on its way; room for `pool` ≥ 1 paths.
+    /// Nothing on its way; room for `pool` paths, and one packet at least.
     pub fn new(
         world: &'a World,
         pool: usize,
@@ -73,6 +73,8 @@ impl<'a, R: Real, T: Traversal, S: ShadingKind, P: Probe> Wave<'a, R, T, S, P> {
         counters: &'a mut Counters,
         probe: &'a mut P,
     ) -> Self {
+        // Hits that wait are fewer than a packet: so there are always paths to go on with, or room for more.
+        let pool = pool.max(R::WIDTH);
         let room = pool + 2 * R::WIDTH;
         Wave {
             world,
