@@ -72,6 +72,8 @@ pub struct Plan {
     pub texcoords: bool,
     /// Materials, emission and lights: absent in the views `normals`, `depth` and `hit`.
     pub light_transport: bool,
+    /// What a Gaussian process believes of its estimates' variance.
+    pub posterior: bool,
     pub decisions: Vec<Decision>,
 }
 
@@ -159,6 +161,12 @@ impl Plan {
         );
         decide("light transport", light_transport, format!("integrator {:?}", scene.integrator.kind).to_lowercase());
 
+        let gather = Some(&scene.integrator).filter(|i| i.kind == IntegratorKind::Gather).map(|i| &i.gather);
+        // One direction alone says nothing of a variance.
+        let believes = gather.is_some_and(|g| g.method.is_bayesian() && g.samples > 1);
+        let why = if albedo { "features are written" } else { "features are not written" }.to_string();
+        let posterior = believes && decide("posterior variance", albedo, why);
+
         let shading = if general { Shading::General } else { Shading::Lambert };
         Plan {
             geometry,
@@ -176,6 +184,7 @@ impl Plan {
             patterned_lights,
             texcoords,
             light_transport,
+            posterior,
             decisions,
         }
     }

@@ -12,6 +12,7 @@ use crate::film::beside::write_beside;
 use crate::kernel::{Prepare, Width, World};
 use crate::plan::{Force, Plan};
 use crate::render::interrupt;
+use crate::scene::EnvironmentImage;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -73,6 +74,9 @@ struct ProblemArgs {
     /// hemisphere: which of the random skies
     #[arg(long, default_value_t = 0)]
     sky: u64,
+    /// hemisphere: a latitude-longitude OpenEXR image instead of --f; +y is up
+    #[arg(long, value_name = "FILE.exr", conflicts_with_all = ["f", "sky"])]
+    image: Option<PathBuf>,
     /// illumination: the scene
     #[arg(long, value_name = "SCENE.toml")]
     scene: Option<PathBuf>,
@@ -95,7 +99,7 @@ enum ProblemName {
     Interval,
     /// An integral over the unit cube (--f, --dimensions)
     CubeD,
-    /// An integral over the hemisphere (--f, --exponent, --sky)
+    /// An integral over the hemisphere (--f, --exponent, --sky, --image)
     Hemisphere,
     /// The light that a pixel of a scene reflects (--scene, --pixel)
     Illumination,
@@ -236,8 +240,16 @@ fn problem(args: &EstimateArgs) -> Result<Box<dyn Problem>, String> {
         ProblemName::VarianceRules | ProblemName::Gp1d | ProblemName::Ohagan => {
             return Err("this is shown, not studied".into());
         }
-        ProblemName::Hemisphere => Box::new(problems::hemisphere(&named("cosine"), of.exponent, of.sky, width)?),
+        ProblemName::Hemisphere => Box::new(match &of.image {
+            Some(path) => under_image(path, width)?,
+            None => problems::hemisphere(&named("cosine"), of.exponent, of.sky, width)?,
+        }),
     })
+}
+
+fn under_image(path: &Path, width: Width) -> Result<problems::Hemisphere, String> {
+    let image = EnvironmentImage::load(path).map_err(|e| e.to_string())?;
+    problems::hemisphere_of_image(&image, width).map_err(|why| format!("{}: {why}", path.display()))
 }
 
 fn die() -> [[f64; 2]; 6] {

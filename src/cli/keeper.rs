@@ -55,6 +55,7 @@ impl<'a> Keeper<'a> {
             seed: head.origin.seed,
             sampler: head.origin.sampler,
             stopped_by: head.stopped_by,
+            shares_points: head.origin.shares_points,
         };
         self.pool.install(|| self.images.write(film, &facts))?;
         Ok(saved?)

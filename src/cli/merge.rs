@@ -51,6 +51,7 @@ fn write(args: &MergeArgs, whole: &State) -> Result<(), CliError> {
         seed: head.origin.seed,
         sampler: head.origin.sampler,
         stopped_by: head.stopped_by,
+        shares_points: head.origin.shares_points,
     };
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
     render::thread_pool(threads)?.install(|| args.images.write(&whole.film, &facts))

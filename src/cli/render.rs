@@ -47,7 +47,7 @@ pub struct RenderArgs {
     /// With --error: choose the sample count from a discarded pilot, so that the estimate stays unbiased
     #[arg(long, requires = "error")]
     unbiased: bool,
-    /// Also write albedo.*, N.* and Z of the first hit
+    /// Also write albedo.*, N.* and Z of the first hit, and bmc.variance.* where the scene gathers by bmc or bmc-is
     #[arg(long)]
     aovs: bool,
     /// Print what the plan kept and left out for this scene, and why

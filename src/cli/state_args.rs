@@ -80,6 +80,8 @@ impl StateArgs {
             width: world.film.width,
             height: world.film.height,
             aovs: options.aovs,
+            posterior: options.aovs && world.plan.posterior,
+            shares_points: world.integrator.shares_points(),
         };
         if let Some(path) = &self.resume {
             let State { head, film } = State::load(path)?;

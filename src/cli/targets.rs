@@ -30,6 +30,7 @@ pub struct Facts {
     pub seed: u64,
     pub sampler: SamplerKind,
     pub stopped_by: StoppedBy,
+    pub shares_points: bool,
 }
 
 /// The folders of these files exist, and they are no folders themselves: to be known before anything is rendered.
@@ -105,6 +106,7 @@ pub fn write_json(report: &impl serde::Serialize, path: Option<&Path>) -> Result
 
 fn validity(facts: &Facts) -> VarianceValidity {
     match (facts.stopped_by, facts.sampler) {
+        _ if facts.shares_points => VarianceValidity::Shared,
         (StoppedBy::Error, _) => VarianceValidity::Stopped,
         (_, SamplerKind::Sobol) => VarianceValidity::Correlated,
         (_, SamplerKind::Independent) => VarianceValidity::Independent,
@@ -113,6 +115,7 @@ fn validity(facts: &Facts) -> VarianceValidity {
 
 fn attributes(film: &Film, facts: &Facts) -> Vec<(String, Attribute)> {
     let text = |s: &str| Attribute::Text(s.to_string());
+    let belief = film.channels().has_posterior().then(|| ("bmc_variance".to_string(), text(BELIEF)));
     [
         ("octolux.version", text(env!("CARGO_PKG_VERSION"))),
         ("octolux.scene", text(&facts.scene)),
@@ -126,5 +129,11 @@ fn attributes(film: &Film, facts: &Facts) -> Vec<(String, Attribute)> {
         ("octolux.cpu_features", text(&crate::cpu::compiled_features().join(" "))),
     ]
     .map(|(name, value)| (name.to_string(), value))
-    .to_vec()
+    .into_iter()
+    .chain(belief)
+    .collect()
 }
+
+/// What `bmc.variance` is.
+const BELIEF: &str = "posterior variance of the gathered light under its Gaussian process, over samples as if their errors \
+                      were independent; of light and material samples, and under equal weights, the sample variance";

@@ -177,7 +177,7 @@ fn colour_channels(header: &Header) -> Option<[usize; 3]> {
     let triple = |prefix: &str| {
         Some([place(&format!("{prefix}R"))?, place(&format!("{prefix}G"))?, place(&format!("{prefix}B"))?])
     };
-    let own_layers = ["variance.", "albedo."];
+    let own_layers = ["variance.", "albedo.", "bmc.variance."];
     let prefixes = names.iter().filter_map(|name| name.strip_suffix('R')).filter(|p| p.ends_with('.'));
     triple("")
         .or_else(|| prefixes.filter(|p| !own_layers.contains(p)).find_map(triple))

@@ -62,10 +62,12 @@ pub enum VarianceValidity {
     Correlated,
     /// The number of samples was chosen by looking at their values: both mean and s²/n are biased by O(1/n).
     Stopped,
+    /// Samples share point sets: what these err by is in every sample, and s²/n does not see it.
+    Shared,
 }
 
 impl VarianceValidity {
-    const ALL: [Self; 3] = [Self::Independent, Self::Correlated, Self::Stopped];
+    const ALL: [Self; 4] = [Self::Independent, Self::Correlated, Self::Stopped, Self::Shared];
 
     /// The attribute's text: a key word, then what it means.
     pub fn text(self) -> &'static str {
@@ -73,6 +75,7 @@ impl VarianceValidity {
             Self::Independent => "independent: s^2/n is the unbiased variance of the mean; valid for z-scores",
             Self::Correlated => "correlated: the sampler stratifies and s^2/n overstates the variance of the mean",
             Self::Stopped => "stopped: the sample count depends on sample values; mean and s^2/n are biased by O(1/n)",
+            Self::Shared => "shared: samples share point sets; s^2/n leaves out the error that all of them have",
         }
     }
 

@@ -1,6 +1,6 @@
 //! A pixel's sums, and what they estimate.
 
-use super::slot::{AOV_SUMS, COLOUR_SUMS};
+use super::slot::{AOV_SUMS, FilmChannels, MOST_SUMS};
 
 /// Sums over all samples of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +12,7 @@ pub struct PixelSums {
     /// Σ x² per channel.
     pub sum_of_squares: [f64; 3],
     aov_sums: Option<[f64; AOV_SUMS]>,
+    posterior_sums: Option<[f64; 3]>,
 }
 
 /// Means of the first-hit values of one pixel.
@@ -25,10 +26,16 @@ pub struct Aovs {
 }
 
 impl PixelSums {
-    /// From the film's layout: 3 sums, 3 sums of squares, 7 AOV sums where they are kept.
-    pub(crate) fn new(samples: u64, sums: &[f64; COLOUR_SUMS + AOV_SUMS], with_aovs: bool) -> Self {
-        let [r, g, b, rr, gg, bb, aov_sums @ ..] = *sums;
-        Self { samples, sum: [r, g, b], sum_of_squares: [rr, gg, bb], aov_sums: with_aovs.then_some(aov_sums) }
+    /// From the film's layout: 3 sums, 3 sums of squares, 7 AOV sums and 3 of posterior variances where they are kept.
+    pub(crate) fn new(samples: u64, sums: &[f64; MOST_SUMS], channels: FilmChannels) -> Self {
+        let [r, g, b, rr, gg, bb, aov_sums @ .., pr, pg, pb] = *sums;
+        Self {
+            samples,
+            sum: [r, g, b],
+            sum_of_squares: [rr, gg, bb],
+            aov_sums: channels.has_aovs().then_some(aov_sums),
+            posterior_sums: channels.has_posterior().then_some([pr, pg, pb]),
+        }
     }
 
     /// Radiance, W·sr⁻¹·m⁻² per channel; 0 without samples.
@@ -51,6 +58,13 @@ impl PixelSums {
             let scaled = difference_of_products(n, self.sum_of_squares[c], self.sum[c], self.sum[c]);
             scaled.max(0.0) / (n * n * (n - 1.0))
         }))
+    }
+
+    /// Σv/n², v what each sample's estimator believes its own variance to be: that of [`Self::mean`] if the samples'
+    /// errors are independent. `None` on a film that does not keep it.
+    pub fn posterior_variance(&self) -> Option<[f64; 3]> {
+        let n = self.samples.max(1) as f64;
+        self.posterior_sums.map(|sums| sums.map(|sum| sum / (n * n)))
     }
 
     /// `None` on a film without AOVs; zero without samples.

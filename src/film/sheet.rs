@@ -86,6 +86,11 @@ impl Film {
         self.pixel(x, y).variance_of_mean()
     }
 
+    /// See [`PixelSums::posterior_variance`].
+    pub fn posterior_variance(&self, x: u32, y: u32) -> Option<[f64; 3]> {
+        self.pixel(x, y).posterior_variance()
+    }
+
     /// See [`PixelSums::aovs`].
     pub fn aovs(&self, x: u32, y: u32) -> Option<Aovs> {
         self.pixel(x, y).aovs()

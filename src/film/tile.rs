@@ -4,7 +4,7 @@ use super::blocks::{BLOCK, BlockTree};
 use super::discarded::{Discarded, DiscardedSample};
 use super::error::MergeError;
 use super::pixel::PixelSums;
-use super::slot::{AOV_SUMS, AovSample, COLOUR_SUMS, FilmChannels};
+use super::slot::{AovSample, COLOUR_SUMS, FilmChannels, MOST_SUMS};
 
 /// Pixels `[x, x + width) × [y, y + height)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,7 +88,7 @@ impl TileFilm {
         assert_eq!(first_sample, self.next_sample, "samples are added in order");
         let slots = self.rect.pixels() * count;
         assert_eq!(radiance.len(), slots, "one radiance slot for each pixel and sample");
-        let aov_slots = if self.channels == FilmChannels::ColourAndAovs { slots } else { 0 };
+        let aov_slots = if self.channels.has_aovs() { slots } else { 0 };
         assert_eq!(aovs.len(), aov_slots, "one AOV slot for each pixel and sample, if the film keeps them");
 
         let mut offset = 0;
@@ -110,14 +110,14 @@ impl TileFilm {
     pub fn pixel(&self, x: u32, y: u32) -> PixelSums {
         let stride = self.channels.stride();
         let at = self.rect.index_of(x, y) * stride;
-        let mut total = [0.0; COLOUR_SUMS + AOV_SUMS];
+        let mut total = [0.0; MOST_SUMS];
         let partial = (!self.partial.is_empty()).then_some(self.partial.as_slice());
         for sums in self.whole.sums().chain(partial) {
             for (t, s) in total.iter_mut().zip(&sums[at..at + stride]) {
                 *t += s;
             }
         }
-        PixelSums::new(self.samples(), &total, self.channels == FilmChannels::ColourAndAovs)
+        PixelSums::new(self.samples(), &total, self.channels)
     }
 
     /// Takes over the samples of the same tile that were rendered elsewhere. The bits are those of one tile that was
@@ -204,7 +204,7 @@ impl TileFilm {
     }
 
     fn add_aovs(&mut self, part: Part, aovs: &[AovSample]) {
-        if self.channels != FilmChannels::ColourAndAovs {
+        if !self.channels.has_aovs() {
             return;
         }
         for (pixel, sums) in self.partial.chunks_exact_mut(self.channels.stride()).enumerate() {

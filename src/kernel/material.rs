@@ -263,6 +263,32 @@ impl<R: Real> MaterialAt<R> {
         self.set_alpha(lanes, alpha);
     }
 
+    pub(super) fn is_phong(&self) -> R::Mask {
+        self.is(KIND_PHONG)
+    }
+
+    pub(super) fn is_conductor(&self) -> R::Mask {
+        self.is(KIND_CONDUCTOR)
+    }
+
+    /// n of [`MaterialAt::is_phong`] lanes.
+    pub(super) fn phong_exponent(&self) -> R {
+        self.c
+    }
+
+    /// Of microfacets.
+    pub(super) fn alpha(&self) -> R {
+        self.alpha
+    }
+
+    /// A Phong material that is the same in every lane as two: its base, and its lobe.
+    pub(super) fn split_phong(&self) -> [Self; 2] {
+        let (mut base, mut lobe) = (self.in_all_lanes(0), self.in_all_lanes(0));
+        base.b = Vec3::zero();
+        lobe.a = Vec3::zero();
+        [base, lobe]
+    }
+
     /// Lanes whose light comes from the hemisphere on the viewer's side alone, and by no delta.
     #[inline(always)]
     pub fn gathers(&self) -> R::Mask {

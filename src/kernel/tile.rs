@@ -65,7 +65,16 @@ impl SampleBuffer {
         let Some(features) = &mut self.features else { return };
         for lane in lanes_of(mask.bits()) {
             features[slot.lane(lane) as usize] =
-                AovSample { albedo: albedo.lane(lane), normal: n.lane(lane), depth: z.lane(lane) };
+                AovSample { albedo: albedo.lane(lane), normal: n.lane(lane), depth: z.lane(lane), posterior: [0.0; 3] };
+        }
+    }
+}
+
+impl SampleBuffer {
+    /// After [`SampleBuffer::write_features`].
+    pub fn write_posterior(&mut self, slot: u32, variance: [f32; 3]) {
+        if let Some(sample) = self.features.as_mut().and_then(|features| features.get_mut(slot as usize)) {
+            sample.posterior = variance;
         }
     }
 }

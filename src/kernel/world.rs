@@ -130,7 +130,7 @@ impl World {
             setup,
         };
         if scene.integrator.kind == IntegratorKind::Gather {
-            let tables = GatherTables::new(&world);
+            let tables = GatherTables::new(&world, &scene.materials);
             world.setup.gather = Some(tables.report.clone());
             world.gather = Some(tables);
         }

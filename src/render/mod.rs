@@ -104,7 +104,7 @@ pub fn render(world: &World, options: &Options, pool: &rayon::ThreadPool, progre
 
 /// A film for `world` whose first sample will be number `64 · first_block`.
 pub fn empty_film(world: &World, options: &Options, first_block: u64) -> Film {
-    let channels = if options.aovs { FilmChannels::ColourAndAovs } else { FilmChannels::Colour };
+    let channels = FilmChannels::of(options.aovs, world.plan.posterior);
     Film::new(world.film.width, world.film.height, options.tile, channels, first_block)
 }
 
@@ -118,7 +118,7 @@ pub fn render_on(
     watch: &mut dyn Watch,
 ) -> Outcome {
     let kernel = select(world, options.width);
-    let aovs = film.channels() == FilmChannels::ColourAndAovs;
+    let aovs = film.channels().has_aovs();
     let most = film.samples() + (budget::MAX_SAMPLES - film.next_sample());
     let samples = Some(options.budget.samples.unwrap_or(most).min(most));
     let mut pacer = Pacer::new(Budget { samples, ..options.budget });

@@ -33,6 +33,12 @@ pub struct Origin {
     pub width: u32,
     pub height: u32,
     pub aovs: bool,
+    /// Are posterior variances among them?
+    #[serde(default)]
+    pub posterior: bool,
+    /// See [`Integrator::shares_points`](crate::scene::Integrator::shares_points).
+    #[serde(default)]
+    pub shares_points: bool,
 }
 
 /// The first lines of a state file.
@@ -176,7 +182,7 @@ fn read(path: &Path) -> Result<State, String> {
         return Err(DAMAGED.to_owned());
     }
     let head: Head = serde_json::from_slice(&text).map_err(|_| DAMAGED.to_owned())?;
-    let channels = if head.origin.aovs { FilmChannels::ColourAndAovs } else { FilmChannels::Colour };
+    let channels = FilmChannels::of(head.origin.aovs, head.origin.posterior);
     let shape = FilmShape { width: head.origin.width, height: head.origin.height, tile: head.tile, channels };
     let mut summed = Summed::new(&mut input);
     let film = Film::decode(shape, &mut summed, sums_length).map_err(|why| format!("{why}; {USE_ANOTHER}"))?;

@@ -162,6 +162,7 @@ fn valid_variance(image: &ExrImage) -> Result<[&[f32]; 3], &'static str> {
         Some(VarianceValidity::Independent) => Ok(planes),
         Some(VarianceValidity::Correlated) => Err("has a variance of correlated samples, which overstates it"),
         Some(VarianceValidity::Stopped) => Err("stopped on its own values, which biases mean and variance"),
+        Some(VarianceValidity::Shared) => Err("has a variance that leaves out the error of shared point sets"),
         None => Err("does not say what its variance is valid for"),
     }
 }

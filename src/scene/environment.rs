@@ -49,6 +49,16 @@ pub(super) fn read(file: &Path, scale: [f32; 3]) -> Result<EnvironmentImage, Sce
     scaled(image.layer_data.channel_data.pixels, scale, file)
 }
 
+impl EnvironmentImage {
+    /// Reads a latitude-longitude OpenEXR file as it is.
+    ///
+    /// # Errors
+    /// As for a scene's environment.
+    pub fn load(file: &Path) -> Result<Self, SceneError> {
+        read(file, [1.0; 3])
+    }
+}
+
 /// A header is believed before anything is allocated by it, so it must be credible.
 fn check_claims(header: &Header, file_bytes: usize) -> Result<(), String> {
     let (width, height) = (header.layer_size.width(), header.layer_size.height());

@@ -80,6 +80,8 @@ pub enum GatherPdf {
     Uniform,
     /// ∝ cosθ.
     Cosine,
+    /// ∝ cosθ for Lambert and coats; Phong's and rough metals' lobes have n directions of their own, distributed as the lobe.
+    Lobe,
 }
 
 /// Where the covariance comes from.

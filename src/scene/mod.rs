@@ -100,6 +100,11 @@ impl Default for Integrator {
 }
 
 impl Integrator {
+    /// Do samples share anything besides the scene?
+    pub fn shares_points(&self) -> bool {
+        self.kind == IntegratorKind::Gather && self.gather.weights == GatherWeights::Shared
+    }
+
     /// What an estimate's reader must know beyond how it was stopped; `None` where every sample is unbiased.
     pub fn note(&self) -> Option<&'static str> {
         let gather = Some(self.gather).filter(|_| self.kind == IntegratorKind::Gather)?;

@@ -50,14 +50,15 @@ const METHODS: [(&str, GatherMethod); 4] = [
 ];
 const POINTS: [(&str, Points); 3] =
     [("random", Points::Random), ("owen", Points::Owen), ("fibonacci", Points::Fibonacci)];
-const PDFS: [(&str, GatherPdf); 2] = [("uniform", GatherPdf::Uniform), ("cosine", GatherPdf::Cosine)];
+const PDFS: [(&str, GatherPdf); 3] =
+    [("uniform", GatherPdf::Uniform), ("cosine", GatherPdf::Cosine), ("lobe", GatherPdf::Lobe)];
 const ROTATIONS: [(&str, bool); 2] = [("none", false), ("random", true)];
 const WEIGHTS: [(&str, GatherWeights); 2] = [("per-hit", GatherWeights::PerHit), ("shared", GatherWeights::Shared)];
 const LIGHTS: [(&str, GatherLights); 2] = [("seen", GatherLights::Seen), ("sampled", GatherLights::Sampled)];
 
 /// A length-scale or smoothness where the scene gives none.
 const DEFAULT_LENGTH: f64 = 0.5;
-const DEFAULT_SMOOTHNESS: f64 = 1.5;
+const DEFAULT_SMOOTHNESS: f64 = Covariance::SMOOTHNESS;
 
 pub(super) fn integrator(table: Option<&IntegratorTable>, text: &TomlText) -> Result<Integrator, SceneError> {
     let mut integrator = Integrator::default();
@@ -128,7 +129,7 @@ fn pdf(table: &IntegratorTable, method: GatherMethod, text: &TomlText) -> Result
     match &table.pdf {
         Some(word) if (pdf == GatherPdf::Uniform) == method.is_importance() => {
             let (message, mend) = if method.is_importance() {
-                ("directions by importance are not uniform", "use cosine, or drop `-is` from the method")
+                ("directions by importance are not uniform", "use cosine or lobe, or drop `-is` from the method")
             } else {
                 ("mc and bmc draw uniform directions", "use the method with `-is`, or leave `pdf` out")
             };

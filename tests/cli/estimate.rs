@@ -60,6 +60,8 @@ fn wrong_problems_are_refused_in_one_line() {
         (&["cube-d", "--dimensions", "21"], "21 dimensions"),
         (&["hemisphere", "--methods", "magic"], "magic"),
         (&["hemisphere", "--f", "moon"], "moon"),
+        (&["hemisphere", "--image", "scene.toml"], "scene.toml"),
+        (&["hemisphere", "--image", "none.exr"], "none.exr"),
         (&["illumination"], "--scene"),
         (&["illumination", "--scene", "scene.toml", "--pixel", "99,0"], "outside"),
         (&["gp-1d", "--f", "ln(x-2)"], "ln(x-2)"),

@@ -138,3 +138,34 @@ fn a_view_does_not_load_the_environment() {
     assert_eq!(scratch.run(&["render", "lit.toml", "-o", "a.exr", "--spp", "1"]).status.code(), Some(2));
     assert!(scratch.run(&["render", "view.toml", "-o", "a.exr", "--spp", "1"]).status.success());
 }
+
+/// What an image of a gather says of its variances: shared sets err alike in all samples, a hit's own do not.
+#[test]
+fn a_gathers_variances_say_what_they_are() {
+    use octolux::film::{Attribute, VarianceValidity};
+    let scratch = Scratch::new();
+    let scene = std::fs::read_to_string(scratch.path("scene.toml")).unwrap();
+    let render = |name: &str, integrator: &str, more: &[&str]| {
+        std::fs::write(scratch.path(name), format!("{scene}\n[integrator]\nkind = \"gather\"\n{integrator}\n"))
+            .unwrap();
+        let all: Vec<&str> =
+            ["render", name, "-o", "g.exr", "--spp", "2", "--aovs"].iter().chain(more).copied().collect();
+        let output = scratch.run(&all);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        read_exr(&scratch.path("g.exr")).unwrap()
+    };
+    let shared = render("shared.toml", "samples = 16\nsets = 1", &["--state", "g.state"]);
+    assert_eq!(shared.variance_validity(), Some(VarianceValidity::Shared));
+    let belief = shared.channel("bmc.variance.G").expect("a posterior");
+    assert!(belief.iter().any(|&v| v > 0.0) && belief.iter().all(|v| v.is_finite() && *v >= 0.0));
+    assert!(matches!(shared.attribute("bmc_variance"), Some(Attribute::Text(_))));
+    // The state has it too.
+    let output = scratch.run(&["merge", "g.state", "-o", "again.exr", "--quiet"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let again = read_exr(&scratch.path("again.exr")).unwrap();
+    assert_eq!(again.channel("bmc.variance.G").unwrap(), belief);
+    assert_eq!(again.variance_validity(), Some(VarianceValidity::Shared));
+    let own = render("own.toml", "samples = 16\nmethod = \"mc-is\"\nweights = \"per-hit\"", &[]);
+    assert_eq!(own.variance_validity(), Some(VarianceValidity::Independent));
+    assert!(own.channel("bmc.variance.G").is_none() && own.attribute("bmc_variance").is_none());
+}

@@ -4,7 +4,8 @@ use crate::renders::Set;
 use octolux::estimate::bmc::Points;
 use octolux::scene::{
     Bsdf, Channel, ConductorFresnel, DeltaLight, Environment, EnvironmentImage, Gather, GatherLights, GatherMethod,
-    GatherWeights, Image, Integrator, IntegratorKind, Maps, Masking, Material, NO_TEXCOORD, Scene, Texels, Texture,
+    GatherPdf, GatherWeights, Image, Integrator, IntegratorKind, Maps, Masking, Material, NO_TEXCOORD, Scene, Texels,
+    Texture,
 };
 use std::f64::consts::TAU;
 
@@ -27,6 +28,11 @@ pub fn all() -> Vec<(&'static str, Scene)> {
         ("gather, at each hit", with_gather(lambert_room(), 1, per_hit(Points::Owen, GatherMethod::BmcIs))),
         ("gather, random points", with_gather(everything(), 1, per_hit(Points::Random, GatherMethod::McIs))),
         ("gather, lights sampled", with_gather(stage_lights(true), 2, sampled(Points::Fibonacci))),
+        ("gather, lobes", with_gather(everything(), 1, Gather { pdf: GatherPdf::Lobe, ..Gather::default() })),
+        (
+            "gather, lobes at each hit",
+            with_gather(stage_lights(true), 2, lobes(per_hit(Points::Owen, GatherMethod::BmcIs))),
+        ),
         ("gather, images", with_gather(images(), 1, per_hit(Points::Fibonacci, GatherMethod::BmcIs))),
         ("gather, smooth normals", with_gather(crumpled_ball(true), 2, Gather { samples: 17, ..Gather::default() })),
         ("phong", phong(stage_lights(true))),
@@ -43,6 +49,10 @@ fn with_gather(mut scene: Scene, bounces: u32, gather: Gather) -> Scene {
 
 fn per_hit(points: Points, method: GatherMethod) -> Gather {
     Gather { samples: 11, points, method, weights: GatherWeights::PerHit, ..Gather::default() }
+}
+
+fn lobes(gather: Gather) -> Gather {
+    Gather { pdf: GatherPdf::Lobe, ..gather }
 }
 
 fn sampled(points: Points) -> Gather {

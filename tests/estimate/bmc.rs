@@ -23,6 +23,11 @@ fn system(k: Covariance, measure: Measure, polar: &[[f64; 2]]) -> System {
     System { gram: gram(k, &points), z, total: measure.total(), self_energy: measure.self_energy(k, &rules) }
 }
 
+/// The least cosθ where a measure is.
+fn lowest(measure: Measure) -> f64 {
+    if matches!(measure, Measure::PowerCosine { .. }) { 0.0 } else { -1.0 }
+}
+
 /// I₀ by its series.
 fn i0(b: f64) -> f64 {
     let (mut term, mut sum) = (1.0, 1.0);
@@ -82,8 +87,9 @@ fn the_embedding_of_a_sobolev_covariance_is_its_integral() {
             (Measure::COSINE, "cosine"),
             (Measure::PowerCosine { exponent: 7.0 }, "cos^7"),
             (Measure::Lobe { sharpness: 6.0, amplitude: 0.7 }, "lobe"),
+            (Measure::Microfacet { kappa: 5.0 }, "microfacet"),
         ] {
-            let low = if matches!(measure, Measure::Lobe { .. }) { -1.0 } else { 0.0 };
+            let low = lowest(measure);
             for cos in [1.0, 0.93, 0.4, 0.02] {
                 let here = direction([cos, 0.0]);
                 let f = |u: f64, phi: f64| measure.density(u) * k.between(here, direction([u, phi / TAU]));
@@ -131,9 +137,10 @@ fn totals_and_self_energies_are_integrals() {
         Measure::COSINE,
         Measure::PowerCosine { exponent: 30.0 },
         Measure::Lobe { sharpness: 50.0, amplitude: 2.0 },
+        Measure::Microfacet { kappa: 50.0 },
     ];
     for measure in measures {
-        let low = if matches!(measure, Measure::Lobe { .. }) { -1.0 } else { 0.0 };
+        let low = lowest(measure);
         let total = TAU * integrate(&rule, low, 1.0, 4, |u| measure.density(u));
         assert!((measure.total() / total - 1.0).abs() < 1e-12, "{measure:?}");
         for k in [SE, Covariance::SOBOLEV] {

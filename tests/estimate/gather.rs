@@ -6,28 +6,47 @@ use octolux::kernel::Width;
 
 const METHODS: [&str; 5] = ["mc-is", "owen", "fibonacci", "bmc-is", "bmc-is-equal"];
 
-/// RMSE relative to the exact value over 30 skies, 64 directions, 48 repeats: as estimators.md measured.
-fn relative_rmse(kind: &str) -> [f64; 5] {
-    let mut squares = [0.0; 5];
-    for sky in 0..30 {
+/// Squared error relative to the exact value, for each of the skies `first …`: 64 directions, 48 repeats.
+fn relative_squares(kind: &str, skies: std::ops::Range<u64>) -> Vec<[f64; 5]> {
+    let of_sky = |sky| {
         let problem = hemisphere(kind, 1.0, sky, Width::Sixteen).unwrap();
         let s = study(&problem, &METHODS, &[64], 48, sky);
-        for (sum, row) in squares.iter_mut().zip(&s.rows) {
-            *sum += (row.cells[0].rmse.value / s.quantity.exact).powi(2) / 30.0;
-        }
-    }
-    squares.map(f64::sqrt)
+        std::array::from_fn(|i| (s.rows[i].cells[0].rmse.value / s.quantity.exact).powi(2))
+    };
+    skies.map(of_sky).collect()
 }
 
-/// The targets are 1/24 of MC-IS and 1/2.3 of Owen–Sobol. A ratio of two RMSEs of 1,440 estimates over 30 skies is known
-/// to some 5 %: what is asserted is what a loss of a tenth would break.
+fn relative_rmse(kind: &str) -> [f64; 5] {
+    let squares = relative_squares(kind, 0..30);
+    std::array::from_fn(|i| (squares.iter().map(|s| s[i]).sum::<f64>() / 30.0).sqrt())
+}
+
+/// ln of the ratio of two methods' RMSE over skies, and its standard error by leaving out one sky at a time.
+fn ln_ratio(squares: &[[f64; 5]], a: usize, b: usize) -> [f64; 2] {
+    let n = squares.len() as f64;
+    let [sum_a, sum_b] = [a, b].map(|i| squares.iter().map(|s| s[i]).sum::<f64>());
+    let without: Vec<f64> = squares.iter().map(|s| 0.5 * ((sum_a - s[a]) / (sum_b - s[b])).ln()).collect();
+    let mean = without.iter().sum::<f64>() / n;
+    let spread: f64 = without.iter().map(|v| (v - mean).powi(2)).sum();
+    [0.5 * (sum_a / sum_b).ln(), ((n - 1.0) / n * spread).sqrt()]
+}
+
+/// The targets: RMSE at most 1/24 of MC-IS and 1/2.3 of Owen–Sobol on smooth skies, asserted at one-sided 99 %. The skies are
+/// none of those that the default smoothness was chosen on. Of methods that just met the targets 99 in 100 such tests
+/// would fail; of one a fifth better (29), with a standard error of 5 %, one in fourteen.
 #[test]
 fn smooth_skies_are_integrated_far_better() {
-    let [mc, owen, fibonacci, bmc, equal] = relative_rmse("sky");
-    println!("sky: mc-is {mc:.5}, owen {owen:.5}, fibonacci {fibonacci:.5}, bmc-is {bmc:.5}, equal weights {equal:.5}");
-    assert!(mc / bmc > 21.0, "{}", mc / bmc);
-    assert!(owen / bmc > 2.3, "{}", owen / bmc);
-    assert!(bmc < fibonacci && bmc < equal);
+    let squares = relative_squares("sky", 1000..1060);
+    for (name, method, target) in [("mc-is", 0, 24f64), ("owen", 1, 2.3)] {
+        let [ln, error] = ln_ratio(&squares, method, 3);
+        println!("sky: {name} over bmc-is: {:.2} ± {:.1} %, wanted {target}", ln.exp(), 100.0 * error);
+        assert!(ln - 2.33 * error > target.ln(), "{name}: {:.2} ± {:.1} %", ln.exp(), 100.0 * error);
+        assert!(error < 0.1, "{error}");
+    }
+    // Never worse than equal weights on the same points: on no sky.
+    let worst = squares.iter().map(|s| (s[3] / s[4]).sqrt()).fold(0.0, f64::max);
+    println!("sky: bmc-is over equal weights, the worst sky: {worst:.3}");
+    assert!(worst < 1.0, "{worst}");
 }
 
 #[test]

@@ -2,10 +2,14 @@
 
 use crate::stats::quadrature::{Adaptive, Rect};
 use octolux::estimate::points::{Points, lane_unit, unit};
-use octolux::estimate::problems::{Density, Field, Problem, Sky, cube, hemisphere, integrate};
+use octolux::estimate::problems::{
+    Density, Field, Learned, Problem, Sky, cube, hemisphere, hemisphere_of_image, integrate,
+};
 use octolux::kernel::Width;
 use octolux::lane::{Bits, Real, Vec3, f32x8};
+use octolux::scene::EnvironmentImage;
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 fn direction(u: f64, phi: f64) -> [f64; 3] {
     let s = ((1.0 - u) * (1.0 + u)).max(0.0).sqrt();
@@ -60,8 +64,9 @@ fn densities_are_normalised_and_sampled() {
         Density::Phong(30.0),
         Density::Ggx(0.3),
         Density::Mis(axis, cos),
+        Density::Learned(Arc::new(Learned::new(&Field::Sky(sky.clone())))),
     ] {
-        let jump = if let Density::Mis(..) = density { 2e-3 } else { 1e-8 };
+        let jump = if let Density::Mis(..) | Density::Learned(_) = density { 2e-3 } else { 1e-8 };
         let f = |u: f64, phi: f64| density.at(direction(u, phi));
         let (total, error) =
             Adaptive::new(1e-9f64.max(jump / 10.0), f).integrate(Rect { x: [0.0, 1.0], y: [0.0, TAU] }, 4);
@@ -77,7 +82,8 @@ fn densities_are_normalised_and_sampled() {
             for lane in 0..8 {
                 let w64 = [w.x, w.y, w.z].map(|c| f64::from(c.lane(lane)));
                 mean += w64[2] * w64[2] / 65536.0;
-                let at_edge = (axis[0] * w64[0] + axis[1] * w64[1] + axis[2] * w64[2] - cos).abs() < 1e-5;
+                let at_edge = matches!(density, Density::Learned(_)) && near_a_cell_edge(w64)
+                    || (axis[0] * w64[0] + axis[1] * w64[1] + axis[2] * w64[2] - cos).abs() < 1e-5;
                 if !at_edge {
                     worst = worst.max((f64::from(pdf.lane(lane)) / density.at(w64) - 1.0).abs());
                 }
@@ -94,6 +100,12 @@ fn densities_are_normalised_and_sampled() {
         assert!((mean - expected).abs() < 1e-3, "{density:?}: {mean} for {expected}");
         assert!(worst < 3e-4, "{density:?}: pdf off by {worst:e}");
     }
+}
+
+/// Directions in f32 may round into the neighbouring cell of a histogram of 16 × 32.
+fn near_a_cell_edge(w: [f64; 3]) -> bool {
+    let near = |x: f64| (x - x.round()).abs() < 1e-4;
+    near(16.0 * w[2]) || near(32.0 * w[1].atan2(w[0]) / TAU)
 }
 
 /// Lanes against the f64 twin of the same function at the same points.
@@ -124,4 +136,50 @@ fn names_that_are_none_are_refused() {
     }
     assert!(hemisphere("moon", 1.0, 0, Width::Eight).is_err() && hemisphere("cosine", -1.0, 0, Width::Eight).is_err());
     assert!(hemisphere("cosine", f64::NAN, 0, Width::Eight).is_err());
+}
+
+/// A learned density is unbiased, its measured variance is the predicted ∫F²/p − I², and where light is concentrated it
+/// beats the cosine. 2,000 estimates of 16 samples: a bias of 4 % of a standard deviation, and a variance off by a fifth,
+/// would be seen.
+#[test]
+fn a_learned_density_has_the_variance_that_theory_gives_it() {
+    for (name, gain) in [("cos3", 2.0), ("sky", 4.0), ("edge", 4.0), ("sun", 4.0)] {
+        let problem = hemisphere(name, 1.0, 3, Width::Eight).unwrap();
+        let s = super::study(&problem, &["mc:learned", "mc-is"], &[16], 2000, 7);
+        let [learned, cosine] = [0, 1].map(|i| &s.rows[i].cells[0]);
+        let ratio = learned.variance_ratio.unwrap();
+        println!(
+            "{name}: variance {:.2e}, {ratio:?} of the predicted, cosine {:.2e}",
+            learned.variance, cosine.variance
+        );
+        assert!(!learned.biased, "{name}: z = {:?}", learned.z);
+        // Four standard errors, eight such tests.
+        assert!((ratio.value - 1.0).abs() < 4.0 * ratio.standard_error, "{name}: {ratio:?}");
+        assert!(ratio.standard_error < 0.05 || name == "sun", "{name}: {ratio:?}");
+        assert!(gain * learned.variance < cosine.variance, "{name}: {} {}", learned.variance, cosine.variance);
+    }
+}
+
+/// Under a constant image, π; under one that is linear in the height, 2π/3 of it; with lanes as without.
+#[test]
+fn images_are_skies() {
+    let image = |radiance: fn(f64) -> f64| {
+        let (width, height) = (256, 128);
+        let texel = |i: usize| [radiance((PI * ((i / width) as f64 + 0.5) / height as f64).cos()) as f32; 3];
+        EnvironmentImage { width, height, texels: (0..width * height).map(texel).collect(), rotation: 0.0 }
+    };
+    let constant = hemisphere_of_image(&image(|_| 1.0), Width::Eight).unwrap();
+    assert!((constant.quantity().exact - PI).abs() < 1e-6);
+    // Chords of the cosine between texels lie below it by (π/128)²/8 at most, and its kink at 0 is a texel wide.
+    let linear = hemisphere_of_image(&image(|c| c.max(0.0)), Width::Eight).unwrap();
+    let exact = linear.quantity().exact;
+    assert!((exact / (TAU / 3.0) - 1.0).abs() < 2e-4, "{exact}");
+    let one = super::study(&linear, &["owen", "bmc-is"], &[64], 20, 1);
+    let wide = hemisphere_of_image(&image(|c| c.max(0.0)), Width::Sixteen).unwrap();
+    let two = super::study(&wide, &["owen", "bmc-is"], &[64], 20, 1);
+    for (a, b) in one.rows.iter().zip(&two.rows) {
+        assert_eq!(a.cells[0].mean.value.to_bits(), b.cells[0].mean.value.to_bits());
+        assert!(a.cells[0].rmse.value < 0.01 * exact, "{}: {}", a.method, a.cells[0].rmse.value);
+    }
+    assert!(hemisphere_of_image(&image(|_| 0.0), Width::Eight).is_err());
 }

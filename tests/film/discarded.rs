@@ -60,7 +60,7 @@ fn the_first_ones_do_not_depend_on_tiles_or_passes() {
 #[test]
 fn a_bad_aov_is_dropped_alone() {
     let mut film = Film::new(1, 1, 1, FilmChannels::ColourAndAovs, 0);
-    let good = AovSample { albedo: [0.5; 3], normal: [0.0, 0.0, 1.0], depth: 2.0 };
+    let good = AovSample { albedo: [0.5; 3], normal: [0.0, 0.0, 1.0], depth: 2.0, posterior: [0.0; 3] };
     let aovs = [good, AovSample { depth: f32::NAN, ..good }];
     film.tiles_mut()[0].add_samples(0, 2, &[[1.0; 3]; 2], &aovs);
     assert_eq!((film.discarded().count, film.discarded().aov_count), (0, 1));

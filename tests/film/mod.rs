@@ -38,7 +38,7 @@ pub fn radiance(x: u32, y: u32, sample: u64) -> [f32; 3] {
 
 pub fn aov(x: u32, y: u32, sample: u64) -> AovSample {
     let [r, g, b] = radiance(x, y, sample ^ (1 << 50));
-    AovSample { albedo: [r, g, b], normal: [r - g, g - b, b - r], depth: r + g }
+    AovSample { albedo: [r, g, b], normal: [r - g, g - b, b - r], depth: r + g, posterior: [r * r, g * g, b * b] }
 }
 
 /// Adds samples `first … first + count − 1` of a tile in one call.
@@ -53,7 +53,7 @@ pub fn add(tile: &mut TileFilm, first: u64, count: usize) {
     };
     let (mut colours, mut aovs) = (Vec::new(), Vec::new());
     slots(&mut |x, y, s| colours.push(radiance(x, y, s)));
-    if tile.channels() == FilmChannels::ColourAndAovs {
+    if tile.channels().has_aovs() {
         slots(&mut |x, y, s| aovs.push(aov(x, y, s)));
     }
     tile.add_samples(first, count, &colours, &aovs);

@@ -45,7 +45,9 @@ fn head(film: &Film) -> Head {
         sampler: octolux::sampling::SamplerKind::Sobol,
         width: film.width(),
         height: film.height(),
-        aovs: film.channels() == FilmChannels::ColourAndAovs,
+        aovs: film.channels().has_aovs(),
+        posterior: film.channels().has_posterior(),
+        shares_points: false,
     };
     Head {
         origin,
@@ -69,7 +71,7 @@ fn film(channels: FilmChannels) -> Film {
 fn a_state_comes_back_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.state");
-    for channels in [FilmChannels::Colour, FilmChannels::ColourAndAovs] {
+    for channels in [FilmChannels::Colour, FilmChannels::ColourAndAovs, FilmChannels::ColourAovsAndPosterior] {
         let film = film(channels);
         State::save(&head(&film), &film, &path).unwrap();
         let back = State::load(&path).unwrap();

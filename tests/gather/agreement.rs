@@ -8,10 +8,10 @@ use octolux::estimate::bmc::Points;
 use octolux::scene::{Gather, GatherLights, GatherMethod, IntegratorKind, Scene};
 
 const SEEDS: u64 = 16;
-const TESTS: usize = 3 * 14;
+const TESTS: usize = 3 * 18;
 
 /// Moments over seeds of the image mean, by channel: what point sets of one seed share is in the spread.
-fn over_seeds(scene: &Scene, samples: u64) -> [Moments; 3] {
+pub fn over_seeds(scene: &Scene, samples: u64) -> [Moments; 3] {
     let mut moments = [Moments::new(), Moments::new(), Moments::new()];
     for seed in 0..SEEDS {
         let film = renders::film(&renders::world(scene, 1000 + seed), samples);
@@ -21,7 +21,7 @@ fn over_seeds(scene: &Scene, samples: u64) -> [Moments; 3] {
 }
 
 #[track_caller]
-fn agrees(name: &str, scene: &Scene, path: &[Moments; 3], samples: u64) {
+pub fn agrees(name: &str, scene: &Scene, path: &[Moments; 3], samples: u64) {
     for (c, (found, expected)) in over_seeds(scene, samples).iter().zip(path).enumerate() {
         let error = found.std_error().hypot(expected.std_error());
         let off = found.mean - expected.mean;

@@ -3,7 +3,9 @@
 mod agreement;
 mod claims;
 mod exact;
+mod lobes;
 mod phong;
+mod posterior;
 mod ranking;
 
 use crate::renders::Set;
@@ -27,13 +29,14 @@ pub fn gathered(scene: &Scene, gather: Gather) -> Scene {
     scene
 }
 
-/// A sky without edges but at the zenith, where azimuths meet; brighter on one side.
+/// A sky whose radiance is linear in the direction, so without edges, the zenith included; brighter on one side.
 pub fn smooth_sky() -> Environment {
-    let (width, height) = (32, 16);
+    let (width, height) = (128, 64);
     let texel = |i: usize| {
-        let (x, y) = ((i % width) as f32, (i / width) as f32);
-        let side = 0.5 + 0.5 * (std::f32::consts::TAU * x / width as f32).cos();
-        [0.3 + 0.6 * side, 0.5, 1.2 - 0.07 * y]
+        let (x, y) = ((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
+        let (sin, cos) = (std::f32::consts::PI * y / height as f32).sin_cos();
+        let side = 0.5 + 0.5 * sin * (std::f32::consts::TAU * x / width as f32).cos();
+        [0.3 + 0.6 * side, 0.5, 0.66 + 0.5 * cos]
     };
     Environment::Image(EnvironmentImage {
         width,

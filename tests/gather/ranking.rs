@@ -7,7 +7,7 @@ use octolux::film::Film;
 use octolux::scene::{Bsdf, Gather, GatherMethod, IntegratorKind, Scene};
 
 /// RMSE over pixels and channels.
-fn rmse(film: &Film, reference: &Film) -> f64 {
+pub fn rmse(film: &Film, reference: &Film) -> f64 {
     let pixels = || (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
     let squares = pixels().flat_map(|(x, y)| {
         let (a, b) = (film.mean(x, y), reference.mean(x, y));
@@ -31,7 +31,7 @@ fn errors(scene: &Scene) -> [f64; 4] {
 }
 
 /// A plane seen from near, so that no pixel holds a silhouette; half of its sky behind a sphere if wanted.
-fn plane(half_hidden: bool) -> Scene {
+pub fn plane(half_hidden: bool) -> Scene {
     let mut set = Set::new([1.2, 1.0, 1.6], [0.9, 0.0, 0.6], 12.0, 24).bounces(1).environment(smooth_sky());
     let ground = set.material(Bsdf::Diffuse { reflectance: [0.6, 0.5, 0.4] }, [0.0; 3]);
     set.quad(ground, [[-6.0, 0.0, 6.0], [6.0, 0.0, 6.0], [6.0, 0.0, -6.0], [-6.0, 0.0, -6.0]]);
@@ -41,13 +41,13 @@ fn plane(half_hidden: bool) -> Scene {
     set.finish()
 }
 
-/// Nothing but the sky, which is smooth but at its zenith: there all azimuths meet.
+/// Nothing but the sky, which is smooth: BMC-IS errs by a tenth of MC-IS or less.
 #[test]
 fn bmc_is_wins_under_a_smooth_sky() {
     let [mc, mc_is, bmc, bmc_is] = errors(&plane(false));
     println!("smooth sky: mc {mc:.5}, mc-is {mc_is:.5}, bmc {bmc:.5}, bmc-is {bmc_is:.5}");
     assert!(mc_is < mc && bmc < mc_is, "{mc} {mc_is} {bmc}");
-    assert!(bmc_is < bmc && bmc_is < 0.25 * mc_is, "{mc_is} {bmc} {bmc_is}");
+    assert!(bmc_is < bmc && bmc_is < 0.1 * mc_is, "{mc_is} {bmc} {bmc_is}");
 }
 
 /// The edge of what stands in the way is no part of the belief: BMC-IS is still the best, by less.

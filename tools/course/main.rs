@@ -1,11 +1,14 @@
 //! The course's figures and pictures, with tables of their errors.
 //!
-//! `cargo run --release --example course -- figures|stages|methods [-o FOLDER] [--scene SCENE.toml] [--size N]`
+//! `cargo run --release --example course -- figures|stages|methods|lobes|calibration [-o FOLDER] [--scene SCENE.toml] [--size N]`
 //!
 //! `figures`: mean |error| against n, 20 to 100, as SVG (P2 Monte Carlo, P3 Bayesian, P4 importance). `stages`: the
 //! Bayesian renders of the course from one point set for the whole picture to points of each hit's own. `methods`: the four
-//! methods at 40 directions an estimate side by side, and `path` of one bounce in the same time.
+//! methods at 40 directions an estimate side by side, and `path` of one bounce in the same time. `lobes`: the sphere in a
+//! Phong material and in a rough metal, directions about the normal against directions of the lobe. `calibration`: how
+//! often the truth lies inside the intervals of the posterior.
 
+mod calibration;
 mod figures;
 mod renders;
 
@@ -36,6 +39,8 @@ enum What {
     Figures,
     Stages,
     Methods,
+    Lobes,
+    Calibration,
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -47,5 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         What::Figures => figures::write(&scene, &args.output),
         What::Stages => renders::stages(&scene, args.reference, &args.output),
         What::Methods => renders::methods(&scene, args.reference, &args.output),
+        What::Lobes => renders::lobes(&scene, args.reference, &args.output),
+        What::Calibration => calibration::print(&scene),
     }
 }

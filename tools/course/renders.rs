@@ -5,7 +5,9 @@ use octolux::film::{Film, png};
 use octolux::kernel::{Prepare, Width, World};
 use octolux::plan::{Force, Plan};
 use octolux::render::{self, Budget, Options, Progress};
-use octolux::scene::{Gather, GatherMethod, GatherPdf, GatherWeights, IntegratorKind, Scene};
+use octolux::scene::{
+    Bsdf, ConductorFresnel, Gather, GatherMethod, GatherPdf, GatherWeights, IntegratorKind, Masking, Scene,
+};
 use std::error::Error;
 use std::path::Path;
 
@@ -79,17 +81,22 @@ fn one_bounce(scene: &Scene) -> Scene {
     scene
 }
 
-fn prepare(scene: &Scene, seed: u64) -> Result<World, Box<dyn Error>> {
+pub fn prepare(scene: &Scene, seed: u64) -> Result<World, Box<dyn Error>> {
     let options = Prepare { seed, ..Prepare::default() };
-    Ok(World::new(scene, Plan::new(scene, Force::default(), false), options)?)
+    Ok(World::new(scene, Plan::new(scene, Force::default(), true), options)?)
 }
 
+/// A film without features, so that nobody computes what they would hold.
 fn film(pool: &rayon::ThreadPool, world: &World, samples: u64) -> (Film, f64) {
+    film_with(pool, world, samples, false)
+}
+
+pub fn film_with(pool: &rayon::ThreadPool, world: &World, samples: u64, aovs: bool) -> (Film, f64) {
     let options = Options {
         budget: Budget { samples: Some(samples), ..Budget::default() },
         width: Width::native(),
         tile: render::default_tile(world.film.width, world.film.height),
-        aovs: false,
+        aovs,
         output_seconds: 0.0,
     };
     let outcome = render::render(world, &options, pool, &mut Progress::quiet());
@@ -143,6 +150,31 @@ pub fn methods(scene: &Scene, reference: u64, folder: &Path) -> Result<(), Box<d
     split.integrator.max_bounces = 1;
     split.integrator.gather = Gather { samples: (samples / 4).max(1), ..of(GatherMethod::BmcIs) };
     studio.picture("bmc-is, a quarter, 4 spp", &split, 4, TIMES)?;
+    Ok(())
+}
+
+/// Glossy spheres: directions about the normal, and about the normal and the mirror direction.
+pub fn lobes(scene: &Scene, reference: u64, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let phong = Bsdf::Phong { diffuse: [0.4, 0.3, 0.2], specular: [0.5; 3], exponent: 40.0 };
+    let fresnel = ConductorFresnel::Schlick { f0: [0.9, 0.7, 0.4] };
+    let metal = Bsdf::Conductor { alpha: 0.2, masking: Masking::Correlated, fresnel };
+    for (name, bsdf) in [("phong", phong), ("metal", metal)] {
+        let mut scene = scene.clone();
+        for sphere in &scene.spheres {
+            scene.materials[sphere.material as usize].bsdf = bsdf;
+        }
+        println!("{name}");
+        let studio = Studio::new(&scene, reference)?;
+        let samples = scene.integrator.gather.samples;
+        let mut pictures = Vec::new();
+        for (pdf, word) in [(GatherPdf::Cosine, "cosine"), (GatherPdf::Lobe, "lobe")] {
+            for method in [GatherMethod::McIs, GatherMethod::BmcIs] {
+                let gather = Gather { samples, method, pdf, ..Gather::default() };
+                pictures.push(studio.gather(&format!("{}, {word}", method.name()), gather, TIMES)?);
+            }
+        }
+        side_by_side(&pictures, &folder.join(format!("lobes-{name}.png")))?;
+    }
     Ok(())
 }
 

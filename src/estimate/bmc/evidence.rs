@@ -1,7 +1,7 @@
 //! Hyper-parameters by marginal likelihood.
 
 use super::covariance::Covariance;
-use super::weights::{Mean, scale};
+use super::weights::{Mean, centre, scale};
 use crate::estimate::cholesky::Cholesky;
 use serde::Serialize;
 
@@ -38,8 +38,9 @@ fn ln_likelihood(covariance: Covariance, points: &[[f64; 3]], functions: &[&Vec<
     let factor = Cholesky::new(&gram, n, NUGGET * gram.first()?)?;
     let information: f64 = factor.solve(&vec![1.0; n]).iter().sum();
     let shape = factor.ln_determinant() + information.ln();
+    let centre = centre(&factor, n);
     let each = |y: &&Vec<f64>| -> Option<f64> {
-        Some(-0.5 * ((n - 1) as f64 * scale(&factor, y, Mean::Constant)?.ln() + shape))
+        Some(-0.5 * ((n - 1) as f64 * scale(&factor, &centre, y, Mean::Constant)?.ln() + shape))
     };
     functions.iter().map(each).sum()
 }

@@ -13,17 +13,26 @@ pub enum Measure {
     PowerCosine { exponent: f64 },
     /// amplitude · exp(λ(cosθ − 1)) on the whole sphere. Domain: 0 < λ ≤ 1e4.
     Lobe { sharpness: f64, amplitude: f64 },
+    /// (1 + κ(1 − cosθ))⁻² on the whole sphere, with the tail of a GGX lobe about the mirror direction where
+    /// κ = 1/2α²: D falls as (1 + tan²θ_h/α²)⁻², and θ = 2θ_h. Domain: 0 < κ ≤ 1e4.
+    Microfacet { kappa: f64 },
 }
 
 impl Measure {
     pub const UNIFORM: Self = Self::PowerCosine { exponent: 0.0 };
     pub const COSINE: Self = Self::PowerCosine { exponent: 1.0 };
 
+    /// Is it 0 below the horizon?
+    pub fn has_horizon(self) -> bool {
+        matches!(self, Self::PowerCosine { .. })
+    }
+
     /// P = ∫ p.
     pub fn total(self) -> f64 {
         match self {
             Self::PowerCosine { exponent } => TAU / (exponent + 1.0),
             Self::Lobe { sharpness, amplitude } => TAU * amplitude * -f64::exp_m1(-2.0 * sharpness) / sharpness,
+            Self::Microfacet { kappa } => 2.0 * TAU / (1.0 + 2.0 * kappa),
         }
     }
 
@@ -34,6 +43,7 @@ impl Measure {
             Self::PowerCosine { exponent: 0.0 } => 1.0,
             Self::PowerCosine { exponent } => cos_theta.powf(exponent),
             Self::Lobe { sharpness, amplitude } => amplitude * (sharpness * (cos_theta - 1.0)).exp(),
+            Self::Microfacet { kappa } => (1.0 + kappa * (1.0 - cos_theta)).powi(-2),
         }
     }
 
@@ -44,6 +54,10 @@ impl Measure {
             Self::Lobe { sharpness, .. } => {
                 let rest = f64::exp_m1(-2.0 * sharpness);
                 (1.0 + (u * rest).ln_1p() / sharpness).clamp(-1.0, 1.0)
+            }
+            Self::Microfacet { kappa } => {
+                let part = 2.0 * u / (1.0 + 2.0 * kappa);
+                (1.0 - part / (1.0 - kappa * part)).clamp(-1.0, 1.0)
             }
         }
     }
@@ -68,7 +82,7 @@ impl Measure {
                 let (whole, cut) = (FRAC_PI_2 - theta, FRAC_PI_2 + theta);
                 squared(rules, k, fine, [0.0, whole], ring) + rounded(rules, k, fine, [whole, cut], ring)
             }
-            Self::Lobe { sharpness, .. } => {
+            Self::Lobe { sharpness, .. } | Self::Microfacet { kappa: sharpness } => {
                 let fine = 1.0 + 0.5 * sharpness.sqrt();
                 squared(rules, k, fine, [0.0, theta], ring) + rounded(rules, k, fine, [theta, PI], ring)
             }
@@ -100,6 +114,11 @@ impl Measure {
                 let peak = (sharpness * (a + b - 1.0)).exp();
                 TAU * amplitude * peak * bessel_i0e(sharpness * b)
             }
+            // ∫ dψ/(A − B cosψ)² = 2πA/(A² − B²)^(3/2), the difference by its factors.
+            Self::Microfacet { kappa } => {
+                let (middle, half) = (1.0 + kappa * (1.0 - a), kappa * b);
+                TAU * middle * ((middle - half) * (middle + half)).powf(-1.5)
+            }
         }
     }
 
@@ -115,7 +134,7 @@ impl Measure {
                 };
                 TAU * rules.outer.integrate([0.0, 1.0], panels, ring)
             }
-            Self::Lobe { sharpness, .. } => {
+            Self::Lobe { sharpness, .. } | Self::Microfacet { kappa: sharpness } => {
                 let panels = 1 + (sharpness.sqrt() / 3.0) as usize;
                 let ring = |t: f64| {
                     let u = 1.0 - 2.0 * t * t;

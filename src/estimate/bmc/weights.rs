@@ -88,6 +88,8 @@ pub struct Weights {
     mean: Mean,
     /// Of the distinct points; `None` for equal weights.
     factor: Option<Cholesky>,
+    /// Q⁻¹1/(1ᵀQ⁻¹1): the weights of the distinct points in the mean of the process.
+    centre: Vec<f64>,
     /// For each point, which distinct one it repeats.
     distinct: Vec<usize>,
 }
@@ -128,13 +130,14 @@ pub fn weights(system: &System, mean: Mean, noise: f64) -> Weights {
                 conditioning: seen,
                 unit_variance: Some(unit_variance),
                 mean,
+                centre: centre(&factor, n),
                 factor: Some(factor),
                 distinct,
             };
         }
     }
     let w = vec![system.total / distinct.len().max(1) as f64; distinct.len()];
-    Weights { w, conditioning: seen, unit_variance: None, mean, factor: None, distinct }
+    Weights { w, conditioning: seen, unit_variance: None, mean, factor: None, centre: Vec::new(), distinct }
 }
 
 /// The weights and the posterior variance at σ_f² = 1 (Rasmussen & Ghahramani 2003; the constant mean as in Rasmussen &
@@ -164,7 +167,7 @@ impl Weights {
         let factor = self.factor.as_ref()?;
         let mut seen = vec![0.0; self.distinct.iter().max()? + 1];
         self.distinct.iter().zip(y).for_each(|(&i, &y)| seen[i] = y);
-        scale(factor, &seen, self.mean)
+        scale(factor, &self.centre, &seen, self.mean)
     }
 
     /// Variance of the integral given the values: [`Weights::unit_variance`] · [`Weights::scale`].
@@ -173,13 +176,20 @@ impl Weights {
     }
 }
 
-pub(super) fn scale(factor: &Cholesky, y: &[f64], mean: Mean) -> Option<f64> {
+/// Q⁻¹1/(1ᵀQ⁻¹1).
+pub(super) fn centre(factor: &Cholesky, n: usize) -> Vec<f64> {
+    let mut ones = factor.solve(&vec![1.0; n]);
+    let sum: f64 = ones.iter().sum();
+    ones.iter_mut().for_each(|one| *one /= sum);
+    ones
+}
+
+pub(super) fn scale(factor: &Cholesky, centre: &[f64], y: &[f64], mean: Mean) -> Option<f64> {
     match mean {
         Mean::Zero => (!y.is_empty()).then(|| factor.quadratic(y) / y.len() as f64),
         Mean::Constant => {
-            let ones = factor.solve(&vec![1.0; y.len()]);
-            let centre = dot(&ones, y) / ones.iter().sum::<f64>();
-            let residual: Vec<f64> = y.iter().map(|y| y - centre).collect();
+            let middle = dot(centre, y);
+            let residual: Vec<f64> = y.iter().map(|y| y - middle).collect();
             (y.len() > 1).then(|| factor.quadratic(&residual) / (y.len() - 1) as f64)
         }
     }

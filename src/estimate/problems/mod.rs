@@ -9,7 +9,10 @@ mod unit_problem;
 
 pub use cube::{CUBE_FUNCTIONS, cube, pi};
 pub use distribution::{Wanted, continuous, discrete};
-pub use hemisphere::{Density, Field, HEMISPHERE_FUNCTIONS, Hemisphere, Lobe, Sky, hemisphere, integrate};
+pub use hemisphere::{
+    Density, Field, HEMISPHERE_FUNCTIONS, Hemisphere, Learned, Lobe, Panorama, Sky, hemisphere, hemisphere_of_image,
+    integrate,
+};
 pub use illumination::{Illumination, illumination};
 pub use interval::{INTERVAL_FUNCTIONS, interval, interval_expression};
 pub use unit_problem::UnitProblem;

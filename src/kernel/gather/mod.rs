@@ -7,6 +7,7 @@
 //! Ray i of a sample draws its numbers from a child key of the sample's, a block for every bounce as a path does.
 
 mod draw;
+mod lobe;
 mod pilot;
 mod tables;
 mod trace;
@@ -14,7 +15,7 @@ mod trace;
 pub use tables::{GatherReport, GatherTables};
 
 use super::cutout;
-use super::material::AllModels;
+use super::material::{AllModels, MaterialAt};
 use super::path::{Traversal, light_ray, same_side};
 use super::pattern;
 use super::surface::Surface;
@@ -25,9 +26,11 @@ use crate::geometry::{MISS, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::sampling::dimensions::*;
 use crate::sampling::{Frame, Sampler, SamplerKind, child_key, sample_key};
-use crate::scene::GatherLights;
+use crate::scene::{GatherLights, GatherPdf};
 use draw::Directions;
-use trace::Beams;
+use lobe::Parts;
+use tables::Family;
+use trace::{Beams, Estimate};
 
 /// The first hit of one camera sample, the same in every lane.
 struct Vertex<R: Real> {
@@ -38,16 +41,29 @@ struct Vertex<R: Real> {
     key: u64,
     /// The sample's numbers for this hit.
     u: [f32; BOUNCE],
+    /// The number of the first ray: rays about the normal and about the mirror direction have numbers of their own.
+    first_ray: usize,
 }
+
+/// Of the rays about the mirror direction.
+const LOBE_RAYS: usize = 1 << 30;
 
 impl<R: Real> Vertex<R> {
     /// The generators of rays `first …`, and their numbers for this hit.
     #[inline(always)]
     fn numbers(&self, first: usize) -> (Sampler<R>, [R; BOUNCE]) {
-        let mut rng = Sampler::independent(|lane| child_key(self.key, (first + lane) as u32));
+        let mut rng = Sampler::independent(|lane| child_key(self.key, (self.first_ray + first + lane) as u32));
         let u = rng.bounce_dims(SamplerKind::Independent, R::zero());
         (rng, u)
     }
+}
+
+/// Where the directions of an estimate lie, and what scatters their light.
+struct About<'a, R: Real> {
+    family: &'a Family,
+    material: &'a MaterialAt<R>,
+    /// About the mirror direction, in the frame of the normal; `None`: about the normal.
+    lobe: Option<Frame<R>>,
 }
 
 /// What a worker keeps between hits.
@@ -98,10 +114,14 @@ pub fn render<R: Real, T: Traversal>(world: &World, job: &Job, out: &mut SampleB
                 wo: vector(&wo),
                 key: slot_key(world, job, packet.slot.lane(lane)),
                 u: u.map(|u| u.lane(lane)),
+                first_ray: 0,
             };
             let gathered = worker.estimate::<R, T>(vertex, counters);
             let own = radiance.lane(lane);
-            radiance.set_lane(lane, std::array::from_fn(|c| own[c] + gathered[c]));
+            radiance.set_lane(lane, std::array::from_fn(|c| own[c] + gathered.radiance[c] as f32));
+            if world.plan.posterior {
+                out.write_posterior(packet.slot.lane(lane), gathered.variance.map(|v| v as f32));
+            }
         }
         out.add(packet.slot, radiance, packet.active);
     }
@@ -115,21 +135,54 @@ fn slot_key(world: &World, job: &Job, slot: u32) -> u64 {
 }
 
 impl Worker<'_> {
-    /// Light scattered towards the viewer.
-    fn estimate<R: Real, T: Traversal>(&mut self, mut vertex: Vertex<R>, counters: &mut Counters) -> [f32; 3] {
-        let sampled = self.tables.settings.lights == GatherLights::Sampled;
-        self.beams.clear();
+    fn estimate<R: Real, T: Traversal>(&mut self, mut vertex: Vertex<R>, counters: &mut Counters) -> Estimate {
+        let (tables, believes) = (self.tables, self.world.plan.posterior);
+        let sampled = tables.settings.lights == GatherLights::Sampled;
+        let mut found = Estimate::default();
         let delta = vertex.surface.material.is_delta::<AllModels>().any();
         if !delta && self.world.lights.is_some() && (sampled || self.world.plan.delta_lights) {
             self.add_lights::<R, T>(&vertex, sampled, counters);
+            found.add(self.beams.settle(None, believes));
         }
         if !vertex.surface.material.gathers().any() {
             self.scatter::<R, T>(&vertex, sampled, counters);
+            found.add(self.beams.settle(None, believes));
         } else if !sampled || self.world.max_bounces > 1.0 {
             self.turn(&mut vertex);
-            self.gather::<R, T>(&vertex, sampled, counters);
+            if tables.settings.pdf == GatherPdf::Lobe {
+                found.add(self.gather_parts::<R, T>(&mut vertex, sampled, counters));
+            } else {
+                let material = vertex.surface.material.in_all_lanes(0);
+                let about_normal = About { family: &tables.base, material: &material, lobe: None };
+                found.add(self.gather::<R, T>(&vertex, &about_normal, sampled, counters));
+            }
         }
-        self.beams.sum()
+        found
+    }
+
+    /// A Lambert base about the normal, a glossy lobe about the mirror direction.
+    #[inline(never)]
+    fn gather_parts<R: Real, T: Traversal>(
+        &mut self,
+        vertex: &mut Vertex<R>,
+        sampled: bool,
+        counters: &mut Counters,
+    ) -> Estimate {
+        let tables = self.tables;
+        let mut found = Estimate::default();
+        let Parts { base, lobe } = Parts::of(&vertex.surface.material, &self.world.plan);
+        if let Some(material) = &base {
+            let about = About { family: &tables.base, material, lobe: None };
+            found.add(self.gather::<R, T>(vertex, &about, sampled, counters));
+        }
+        if let Some((material, kind)) = &lobe {
+            let family = kind.nearest(&tables.lobe_kinds).map_or(&tables.base, |i| &tables.lobes[i]);
+            vertex.first_ray = LOBE_RAYS;
+            let mirror = lobe::mirror_frame(vertex, tables.settings.rotate);
+            let about = About { family, material, lobe: Some(mirror) };
+            found.add(self.gather::<R, T>(vertex, &about, sampled, counters));
+        }
+        found
     }
 
     /// Turns the tangents about the normal.
@@ -149,21 +202,30 @@ impl Worker<'_> {
         );
     }
 
-    /// Weighted directions of a point set about the normal.
-    fn gather<R: Real, T: Traversal>(&mut self, vertex: &Vertex<R>, sampled: bool, counters: &mut Counters) {
+    /// Weighted directions of a point set.
+    fn gather<R: Real, T: Traversal>(
+        &mut self,
+        vertex: &Vertex<R>,
+        about: &About<R>,
+        sampled: bool,
+        counters: &mut Counters,
+    ) -> Estimate {
         let Worker { world, tables, drawn, beams } = self;
-        let set = tables.at(vertex, drawn);
+        let set = about.family.at(tables, vertex, drawn);
         let surface = &vertex.surface;
         let up = R::one().copysign(vertex.wo.z);
         let direct = R::Mask::splat(!sampled);
         for first in (0..tables.count()).step_by(R::WIDTH) {
             let active = first_lanes::<R>(tables.count() - first);
-            let [x, y, z, weight] = set.load::<R>(first);
-            let wi = Vec3::new(x, y, z * up);
+            let [x, y, z, weight, p] = set.load::<R>(first);
+            let wi = match &about.lobe {
+                None => Vec3::new(x, y, z * up),
+                Some(mirror) => mirror.to_world(Vec3::new(x, y, z)),
+            };
             let direction = vertex.frame.to_world(wi);
             let keep = active & same_side(wi.z, surface.ng.dot(direction));
-            let f_cos = surface.material.eval::<AllModels>(&world.plan, vertex.wo, wi, keep).value;
-            let mut weight = weight / tables.density(z);
+            let f_cos = about.material.eval::<AllModels>(&world.plan, vertex.wo, wi, keep).value;
+            let mut weight = weight / p;
             if world.plan.shading_normals {
                 weight = weight * surface.terminator(direction, wi.z, vertex.wo.z);
             }
@@ -172,6 +234,7 @@ impl Worker<'_> {
             let carries = keep & throughput.max_component().abs().gt(R::zero());
             beams.add::<R, T>(world, vertex, first, &ray, throughput, carries, direct, counters);
         }
+        beams.settle(Some(set), world.plan.posterior)
     }
 
     /// Directions that the material draws: a delta lobe has no others, and glass has some on both sides.

@@ -1,6 +1,7 @@
 //! What the gather kernel reads: point sets and weights made once for a picture.
 
 use super::draw::Directions;
+use super::lobe::{Glossy, lobes_of};
 use super::{Vertex, pilot};
 use crate::estimate::bmc::{
     Covariance, Evidence, Mean, Measure, PointSet, Rules, SetRecipe, Verdict, fibonacci, point_sets,
@@ -8,23 +9,32 @@ use crate::estimate::bmc::{
 use crate::kernel::world::World;
 use crate::lane::{MAX_WIDTH, Real};
 use crate::sampling::dimensions::BSDF_LOBE;
-use crate::scene::{Gather, GatherCovariance, GatherPdf, GatherWeights};
+use crate::scene::{Gather, GatherCovariance, GatherPdf, GatherWeights, Material};
 use std::time::Instant;
 
 /// Prepared data of the gather kernel.
 pub struct GatherTables {
     pub(super) settings: Gather,
-    pub(super) measure: Measure,
     /// `None`: equal weights.
     pub(super) covariance: Option<Covariance>,
-    /// Prior variance of the integral at σ_f² = 1.
-    pub(super) self_energy: f64,
     pub(super) rules: Rules,
     /// The golden-ratio sequence, padded.
     pub(super) lattice: Vec<f32>,
+    /// About the normal.
+    pub(super) base: Family,
+    /// About the mirror direction, and the lobes that each is for. Empty unless the pdf is `lobe`.
+    pub(super) lobes: Vec<Family>,
+    pub(super) lobe_kinds: Vec<Glossy>,
+    pub report: GatherReport,
+}
+
+/// Point sets of one p.
+pub(super) struct Family {
+    pub measure: Measure,
+    /// Prior variance of the integral at σ_f² = 1.
+    pub self_energy: f64,
     /// Empty where points are drawn at each hit.
     sets: Vec<Directions>,
-    pub report: GatherReport,
 }
 
 /// What was made, and whether it may be trusted.
@@ -38,6 +48,8 @@ pub struct GatherReport {
     /// The covariances tried on the pilot, best first.
     pub evidence: Vec<Evidence>,
     pub sets: usize,
+    /// p of the sets about the mirror direction.
+    pub lobes: Vec<Measure>,
     /// Sets whose posterior was refused, and which have equal weights instead.
     pub equal_weights: usize,
     /// Sets whose posterior was ill-conditioned but passed.
@@ -46,10 +58,9 @@ pub struct GatherReport {
 
 impl GatherTables {
     /// `world` is complete but for these tables.
-    pub fn new(world: &World) -> Self {
+    pub fn new(world: &World, materials: &[Material]) -> Self {
         let start = Instant::now();
         let settings = world.integrator.gather;
-        let measure = if settings.pdf == GatherPdf::Uniform { Measure::UNIFORM } else { Measure::COSINE };
         let rules = Rules::new();
         let (covariance, evidence) = match settings.covariance {
             _ if !settings.method.is_bayesian() => (None, Vec::new()),
@@ -59,6 +70,46 @@ impl GatherTables {
                 (Some(evidence.first().map_or(Covariance::SOBOLEV, |best| best.covariance)), evidence)
             }
         };
+        let mut report = GatherReport {
+            method: settings.method.name(),
+            directions: settings.samples,
+            covariance,
+            evidence,
+            ..GatherReport::default()
+        };
+        let mut family = |measure| Family::new(world, measure, covariance, &rules, &mut report);
+        let base = family(if settings.pdf == GatherPdf::Uniform { Measure::UNIFORM } else { Measure::COSINE });
+        let lobe_kinds = if settings.pdf == GatherPdf::Lobe { lobes_of(materials) } else { Vec::new() };
+        let lobes: Vec<Family> = lobe_kinds.iter().map(|lobe| family(lobe.measure())).collect();
+        report.lobes = lobes.iter().map(|family| family.measure).collect();
+        report.seconds = start.elapsed().as_secs_f64();
+        if report.equal_weights > 0 {
+            let (bad, all) = (report.equal_weights, report.sets);
+            log::warn!(
+                "gather: {bad} of {all} point sets are ill-conditioned under {covariance:?}; they weigh equally"
+            );
+        }
+        let lattice = fibonacci(settings.samples.next_multiple_of(MAX_WIDTH as u32) as usize, [0.0; 2]);
+        let lattice = lattice.iter().map(|[_, turn]| *turn as f32).collect();
+        GatherTables { settings, covariance, rules, lattice, base, lobes, lobe_kinds, report }
+    }
+
+    /// Directions an estimate.
+    #[inline(always)]
+    pub(super) fn count(&self) -> usize {
+        self.settings.samples as usize
+    }
+}
+
+impl Family {
+    fn new(
+        world: &World,
+        measure: Measure,
+        covariance: Option<Covariance>,
+        rules: &Rules,
+        report: &mut GatherReport,
+    ) -> Self {
+        let settings = world.integrator.gather;
         let sets = match settings.weights {
             GatherWeights::PerHit => Vec::new(),
             GatherWeights::Shared => point_sets(&SetRecipe {
@@ -71,59 +122,28 @@ impl GatherTables {
                 seed: world.seed,
             }),
         };
-        let lattice = fibonacci(settings.samples.next_multiple_of(MAX_WIDTH as u32) as usize, [0.0; 2]);
         let verdicts =
             |verdict| sets.iter().filter_map(PointSet::conditioning).filter(|c| c.verdict == verdict).count();
-        let report = GatherReport {
-            seconds: start.elapsed().as_secs_f64(),
-            method: settings.method.name(),
-            directions: settings.samples,
-            covariance,
-            evidence,
-            sets: sets.len(),
-            equal_weights: verdicts(Verdict::EqualWeights),
-            damped: verdicts(Verdict::Damped),
-        };
-        if report.equal_weights > 0 {
-            let (bad, all) = (report.equal_weights, report.sets);
-            log::warn!(
-                "gather: {bad} of {all} point sets are ill-conditioned under {covariance:?}; they weigh equally"
-            );
-        }
-        GatherTables {
-            settings,
+        report.sets += sets.len();
+        report.equal_weights += verdicts(Verdict::EqualWeights);
+        report.damped += verdicts(Verdict::Damped);
+        Family {
             measure,
-            covariance,
-            self_energy: covariance.map_or(0.0, |k| measure.self_energy(k, &rules)),
-            rules,
-            lattice: lattice.iter().map(|[_, turn]| *turn as f32).collect(),
-            sets: sets.iter().map(Directions::from_set).collect(),
-            report,
+            self_energy: covariance.map_or(0.0, |k| measure.self_energy(k, rules)),
+            sets: sets.iter().map(|set| Directions::from_set(set, measure, world.plan.posterior)).collect(),
         }
-    }
-
-    /// Directions an estimate.
-    #[inline(always)]
-    pub(super) fn count(&self) -> usize {
-        self.settings.samples as usize
-    }
-
-    #[inline(always)]
-    pub(super) fn is_cosine(&self) -> bool {
-        self.settings.pdf != GatherPdf::Uniform
-    }
-
-    /// p, where the weights already hold it.
-    #[inline(always)]
-    pub(super) fn density<R: Real>(&self, cos: R) -> R {
-        if self.is_cosine() { cos } else { R::one() }
     }
 
     /// The directions for a hit: one of the sets, or `drawn` filled anew.
     #[inline(always)]
-    pub(super) fn at<'a, R: Real>(&'a self, vertex: &Vertex<R>, drawn: &'a mut Directions) -> &'a Directions {
+    pub fn at<'a, R: Real>(
+        &'a self,
+        tables: &GatherTables,
+        vertex: &Vertex<R>,
+        drawn: &'a mut Directions,
+    ) -> &'a Directions {
         if self.sets.is_empty() {
-            drawn.draw(self, vertex);
+            drawn.draw(tables, self, vertex);
             return drawn;
         }
         let choice = (vertex.u[BSDF_LOBE] * self.sets.len() as f32) as usize;

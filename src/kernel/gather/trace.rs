@@ -1,6 +1,7 @@
 //! What arrives along the rays of a hit.
 
 use super::Vertex;
+use super::draw::Directions;
 use crate::geometry::{MISS, Ray};
 use crate::kernel::cutout;
 use crate::kernel::material::AllModels;
@@ -18,18 +19,62 @@ const LEFT_TO_LIGHT_SAMPLES: f32 = 1e-30;
 /// The contributions of the rays of one hit, by index.
 pub(super) struct Beams {
     values: [Vec<f32>; 3],
+    count: usize,
     /// Where continued paths write their radiance.
     paths: SampleBuffer,
+    scratch: Vec<f64>,
+}
+
+/// Light scattered towards the viewer, and the variance of that as its estimator believes it (0 where nobody asks).
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Estimate {
+    pub radiance: [f64; 3],
+    pub variance: [f64; 3],
+}
+
+impl Estimate {
+    pub fn add(&mut self, other: Self) {
+        let sum = |a: [f64; 3], b: [f64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        self.radiance = sum(self.radiance, other.radiance);
+        self.variance = sum(self.variance, other.variance);
+    }
 }
 
 impl Beams {
     pub fn new(count: usize) -> Self {
         let padded = count.next_multiple_of(MAX_WIDTH);
-        Beams { values: std::array::from_fn(|_| vec![0.0; padded]), paths: SampleBuffer::default() }
+        Beams {
+            values: std::array::from_fn(|_| vec![0.0; padded]),
+            count,
+            paths: SampleBuffer::default(),
+            scratch: Vec::new(),
+        }
     }
 
-    pub fn clear(&mut self) {
+    /// Ends an estimate: what the rays brought, by their sum in the order of indices. `set` has their weights; without
+    /// one they are samples of equal rank.
+    pub fn settle(&mut self, set: Option<&Directions>, believes: bool) -> Estimate {
+        let mut found = Estimate { radiance: self.sum(), variance: [0.0; 3] };
+        if believes {
+            found.variance = self.variance(set);
+        }
         self.values.iter_mut().for_each(|channel| channel.fill(0.0));
+        found
+    }
+
+    /// The posterior's, or that of a sum of n independent terms: n s².
+    #[inline(never)]
+    fn variance(&mut self, set: Option<&Directions>) -> [f64; 3] {
+        let Beams { values, count, scratch, .. } = self;
+        values.each_ref().map(|terms| {
+            let terms = &terms[..*count];
+            set.and_then(|set| set.variance(terms, scratch)).unwrap_or_else(|| {
+                let n = *count as f64;
+                let mean = terms.iter().map(|&t| f64::from(t)).sum::<f64>() / n;
+                let squares: f64 = terms.iter().map(|&t| (f64::from(t) - mean).powi(2)).sum();
+                if *count > 1 { squares * n / (n - 1.0) } else { 0.0 }
+            })
+        })
     }
 
     /// Adds to rays `first …`.
@@ -41,14 +86,13 @@ impl Beams {
         }
     }
 
-    /// In the order of indices.
-    pub fn sum(&self) -> [f32; 3] {
+    fn sum(&self) -> [f64; 3] {
         let mut sums = [0.0f64; 3];
         let [r, g, b] = &self.values;
         for ((r, g), b) in r.iter().zip(g).zip(b) {
             sums = [sums[0] + f64::from(*r), sums[1] + f64::from(*g), sums[2] + f64::from(*b)];
         }
-        sums.map(|sum| sum as f32)
+        sums
     }
 
     /// Adds throughput · light for the lanes that carry something. Lights that rays meet count in `direct` lanes: the

@@ -1,11 +1,13 @@
 //! Densities of directions about the normal, for importance sampling.
 
 use super::field::{Field, Sky};
+use super::learned::{Learned, spherical};
 use crate::lane::{Real, Vec3, math};
-use crate::sampling::{Frame, ONE_BELOW, rescale, warp};
+use crate::sampling::{Frame, rescale, warp};
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Density {
     /// 1/2π.
     Uniform,
@@ -18,15 +20,18 @@ pub enum Density {
     /// Half by cosine, half uniform in a cone (axis, cosine): one-sample multiple importance sampling with the balance
     /// heuristic (Veach & Guibas 1995).
     Mis([f64; 3], f64),
+    /// From a pilot of the integrand.
+    Learned(Arc<Learned>),
 }
 
 impl Density {
-    /// From its name: uniform, cosine, phongN, ggxA, mis (towards the sun of `field`).
+    /// From its name: uniform, cosine, phongN, ggxA, mis (towards the sun of `field`), learned (from `field`).
     pub fn parse(name: &str, field: &Field) -> Option<Self> {
         let number = |prefix: &str| name.strip_prefix(prefix)?.parse::<f64>().ok().filter(|x| x.is_finite());
         match (name, field) {
             ("uniform", _) => Some(Self::Uniform),
             ("cosine", _) => Some(Self::Cosine),
+            ("learned", _) => Some(Self::Learned(Arc::new(Learned::new(field)))),
             ("mis", Field::Sky(Sky { sun: Some((axis, cos, _)), .. })) => Some(Self::Mis(*axis, *cos)),
             _ => number("phong")
                 .filter(|n| (0.0..=1e4).contains(n))
@@ -36,8 +41,8 @@ impl Density {
     }
 
     /// Per steradian.
-    pub fn at(self, w: [f64; 3]) -> f64 {
-        match self {
+    pub fn at(&self, w: [f64; 3]) -> f64 {
+        match *self {
             Self::Uniform => 1.0 / TAU,
             Self::Cosine => w[2] / PI,
             Self::Phong(n) => (n + 1.0) / TAU * w[2].powf(n),
@@ -51,13 +56,14 @@ impl Density {
                 let inside = axis[0] * w[0] + axis[1] * w[1] + axis[2] * w[2] >= cos;
                 0.5 * w[2] / PI + if inside { 0.5 / (TAU * (1.0 - cos)) } else { 0.0 }
             }
+            Self::Learned(ref learned) => learned.at(w),
         }
     }
 
     /// A direction and its density.
     #[inline(always)]
-    pub fn sample<R: Real>(self, u: [R; 2]) -> (Vec3<R>, R) {
-        match self {
+    pub fn sample<R: Real>(&self, u: [R; 2]) -> (Vec3<R>, R) {
+        match *self {
             Self::Uniform => {
                 let w = warp::uniform_hemisphere(u);
                 (w, warp::uniform_hemisphere_pdf(w.z))
@@ -100,14 +106,10 @@ impl Density {
                     half * warp::cosine_hemisphere_pdf(w.z) + (half * warp::uniform_cone_pdf(narrow)).masked(inside);
                 (w, pdf)
             }
+            Self::Learned(ref learned) => {
+                let (cos, turn, pdf) = learned.sample(u);
+                (spherical(cos, turn), pdf)
+            }
         }
     }
-}
-
-#[inline(always)]
-fn spherical<R: Real>(cos: R, turn: R) -> Vec3<R> {
-    let cos = cos.min_or(R::splat(ONE_BELOW));
-    let sin = ((R::one() - cos) * (R::one() + cos)).safe_sqrt();
-    let (s, c) = math::sincos_2pi(turn);
-    Vec3::new(sin * c, sin * s, cos)
 }

@@ -1,10 +1,12 @@
 //! Functions on the hemisphere: powers of the cosine, and skies.
 
+use super::panorama::Panorama;
 use crate::estimate::bmc::{Covariance, Measure, Rules};
 use crate::estimate::rules::Gauss;
 use crate::lane::{Real, Vec3, math};
 use crate::sampling::sample_key;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
 
 /// F(ω), the whole integrand, cosine included.
 #[derive(Clone, Debug)]
@@ -13,6 +15,8 @@ pub enum Field {
     Power(f64),
     /// L(ω) cosθ.
     Sky(Sky),
+    /// The same under an image.
+    Panorama(Arc<Panorama>),
 }
 
 /// Radiance from above: a constant and smooth lobes, cut off by a cap that hides what is beyond it, or with a sun.
@@ -96,6 +100,7 @@ impl Field {
         match self {
             Field::Power(m) => w[2].max(0.0).powf(if over_cosine { m - 1.0 } else { *m }),
             Field::Sky(sky) => sky.radiance(w) * if over_cosine { 1.0 } else { w[2] },
+            Field::Panorama(image) => image.radiance(w) * if over_cosine { 1.0 } else { w[2] },
         }
     }
 
@@ -106,6 +111,8 @@ impl Field {
             Field::Power(m) => power(w.z, if over_cosine { m - 1.0 } else { *m }),
             Field::Sky(sky) if over_cosine => sky.radiance_lanes(w),
             Field::Sky(sky) => sky.radiance_lanes(w) * w.z,
+            Field::Panorama(image) if over_cosine => image.radiance_lanes(w),
+            Field::Panorama(image) => image.radiance_lanes(w) * w.z,
         }
     }
 
@@ -113,6 +120,7 @@ impl Field {
     pub fn exact(&self) -> f64 {
         let sky = match self {
             Field::Power(m) => return TAU / (m + 1.0),
+            Field::Panorama(image) => return image.exact()[0],
             Field::Sky(sky) => sky,
         };
         if sky.visible.is_some() {
@@ -131,7 +139,16 @@ impl Field {
         PI * sky.base + sky.lobes.iter().map(lobe).sum::<f64>() + sun
     }
 
-    /// ∫ F² / p over the hemisphere, p a density.
+    /// Has it derivatives of every order?
+    pub fn is_smooth(&self) -> bool {
+        match self {
+            Field::Power(_) => true,
+            Field::Sky(sky) => sky.visible.is_none() && sky.sun.is_none(),
+            Field::Panorama(_) => false,
+        }
+    }
+
+    /// ∫ F² / p over the hemisphere, p a smooth density.
     pub fn second_moment(&self, p: impl Fn([f64; 3]) -> f64) -> f64 {
         let Field::Sky(sky) = self else {
             return integrate(None, |w| self.at(w, false).powi(2) / p(w));

@@ -42,7 +42,8 @@ impl Variant {
                 "owen" => variant.points = Points::Owen,
                 "fibonacci" => variant.points = Points::Fibonacci,
                 _ => {
-                    let sobolev = number("sobolev", 1.5).map(|smoothness| Covariance::Sobolev { smoothness });
+                    let sobolev =
+                        number("sobolev", Covariance::SMOOTHNESS).map(|smoothness| Covariance::Sobolev { smoothness });
                     let squared = || number("se", 0.5).map(|length| Covariance::SquaredExponential { length });
                     variant.covariance = Some(sobolev.or_else(squared)?.check().ok()?);
                 }

@@ -3,9 +3,13 @@
 mod density;
 mod field;
 mod gather;
+mod learned;
+mod panorama;
 
 pub use density::Density;
 pub use field::{Field, Lobe, Sky, integrate};
+pub use learned::Learned;
+pub use panorama::Panorama;
 
 use super::{Problem, unknown_method};
 use crate::estimate::biased::{clamped, pilot_reuse, ratio};
@@ -15,6 +19,7 @@ use crate::estimate::study::Quantity;
 use crate::estimate::tensor::{Rule, product};
 use crate::kernel::Width;
 use crate::lane::{Bits, Real, f32x8, f32x16};
+use crate::scene::EnvironmentImage;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -33,7 +38,7 @@ impl Over {
             let u = [0, 1].map(|d| lane_unit::<R>(R::Bits::load(&bits[d][block * R::WIDTH..])));
             let (w, pdf) = self.density.sample(u);
             // cosθ cancels before it can be a small denominator.
-            let value = match self.density {
+            let value = match &self.density {
                 Density::Cosine => self.field.lanes(w, true) * R::splat(PI as f32),
                 Density::Uniform => self.field.lanes(w, false) * R::splat(TAU as f32),
                 _ => self.field.lanes(w, false) / pdf,
@@ -95,16 +100,19 @@ pub fn hemisphere(name: &str, exponent: f64, seed: u64, width: Width) -> Result<
             ));
         }
     };
-    let exact = field.exact();
-    let (exact_error, source) = match field {
-        Field::Power(_) => (0.0, "2π/(n + 1)"),
-        Field::Sky(_) => (1e-9 * exact, "quadrature in f64"),
-    };
-    let quantity = Quantity { name: format!("hemisphere, {name}"), formula, exact, exact_error, source: source.into() };
-    Ok(Hemisphere { quantity, field: Arc::new(field), width })
+    Ok(Hemisphere::new(name, formula, field, width))
 }
 
-const NAMES: [&str; 24] = [
+/// The irradiance of an environment image on a plane that faces up.
+///
+/// # Errors
+/// The image is black.
+pub fn hemisphere_of_image(image: &EnvironmentImage, width: Width) -> Result<Hemisphere, String> {
+    let field = Field::Panorama(Arc::new(Panorama::new(image)?));
+    Ok(Hemisphere::new("environment", "∫ L cosθ dω, L the mean of the image's channels, +y up".into(), field, width))
+}
+
+const NAMES: [&str; 26] = [
     "mc",
     "mc-is",
     "stratified",
@@ -124,6 +132,8 @@ const NAMES: [&str; 24] = [
     "gauss",
     "mc:phong2",
     "mc:ggx0.5",
+    "mc:learned",
+    "owen:learned",
     "mc:mis",
     "owen:mis",
     "clamped",
@@ -133,6 +143,18 @@ const NAMES: [&str; 24] = [
 const DEFAULTS: usize = 6;
 
 impl Hemisphere {
+    fn new(name: &str, formula: String, field: Field, width: Width) -> Self {
+        let exact = field.exact();
+        let (exact_error, source) = match &field {
+            Field::Power(_) => (0.0, "2π/(n + 1)"),
+            Field::Sky(_) => (1e-9 * exact, "quadrature in f64"),
+            Field::Panorama(image) => (image.exact()[1], "midpoint rule, 2048²"),
+        };
+        let name = format!("hemisphere, {name}");
+        let quantity = Quantity { name, formula, exact, exact_error, source: source.into() };
+        Hemisphere { quantity, field: Arc::new(field), width }
+    }
+
     pub fn field(&self) -> &Field {
         &self.field
     }
@@ -141,7 +163,8 @@ impl Hemisphere {
     pub fn variance(&self, density: Density) -> f64 {
         // Where the power at the horizon makes ∫F²/p diverge no quadrature would notice.
         let at_horizon = |m: f64| match density {
-            Density::Uniform => 2.0 * m,
+            // Bounded below.
+            Density::Learned(_) | Density::Uniform => 2.0 * m,
             Density::Cosine | Density::Ggx(_) | Density::Mis(..) => 2.0 * m - 1.0,
             Density::Phong(n) => 2.0 * m - n,
         };
@@ -149,9 +172,10 @@ impl Hemisphere {
         if at_horizon(m) <= -1.0 {
             return f64::INFINITY;
         }
-        let closed = match (&*self.field, density) {
+        let closed = match (&*self.field, &density) {
             (Field::Power(m), Density::Uniform) => Some(TAU * TAU / (2.0 * m + 1.0)),
             (Field::Power(m), Density::Cosine) => Some(TAU * PI / (2.0 * m)),
+            (field, Density::Learned(learned)) => Some(learned.second_moment(field)),
             (Field::Power(m), Density::Phong(n)) => Some(TAU * TAU / ((n + 1.0) * (2.0 * m - n + 1.0))),
             _ => None,
         };
@@ -161,12 +185,23 @@ impl Hemisphere {
         if variance.abs() < 1e-12 * second { 0.0 } else { variance }
     }
 
+    /// When the pilot of a learned density has paid for itself against the cosine: n samples by it err no more than
+    /// n + pilot by the other.
+    fn note_on_learning(&self) -> String {
+        let learned = self.variance(Density::Learned(Arc::new(Learned::new(&self.field))));
+        let (pilot, gain) = (Learned::PILOT as f64, self.variance(Density::Cosine) - learned);
+        let pays = if gain > 0.0 { format!("from n = {:.0} on", pilot * learned / gain) } else { "never".to_owned() };
+        format!(
+            "  learned density: {learned:.7}; its pilot of {pilot} evaluations, not counted in n, pays {pays} against cosine"
+        )
+    }
+
     fn over(&self, density: Density) -> Shared {
         Arc::new(Over { field: self.field.clone(), density })
     }
 
     fn mean(&self, name: &str, points: Points, density: Density) -> Method {
-        let method = mean_over(name, points, self.over(density), self.width);
+        let method = mean_over(name, points, self.over(density.clone()), self.width);
         if points != Points::Independent {
             return method;
         }
@@ -225,7 +260,8 @@ impl Problem for Hemisphere {
             ("GGX, α = 0.5", Density::Ggx(0.5)),
         ];
         let mut notes = vec!["variance of one sample, ∫F²/p − I²:".to_owned()];
-        notes.extend(densities.iter().map(|(name, d)| format!("  {name}: {:.7}", self.variance(*d))));
+        notes.extend(densities.iter().map(|(name, d)| format!("  {name}: {:.7}", self.variance(d.clone()))));
+        notes.push(self.note_on_learning());
         if let Some(mis) = Density::parse("mis", &self.field) {
             notes.push(format!("  cosine and the sun's cone, balance heuristic: {:.7}", self.variance(mis)));
         }
