@@ -157,7 +157,10 @@ fn table(report: &ConvergeReport) -> String {
             law.map_or("-".to_owned(), |l| format!("{:.3} ± {:.3}", l.exponent.value, l.exponent.hi - l.exponent.value))
         };
         let to = |target: &converge::Target| match target.seconds {
-            Some(s) => format!("{:e}: {:.3} s{}", target.relmse, s.budget, if s.extrapolated { " ~" } else { "" }),
+            Some(s) => {
+                let guess = if s.extrapolated { " ~" } else { "" };
+                format!("{:e}: {:.3} s [{:.3}, {:.3}]{guess}", target.relmse, s.budget, s.lo, s.hi)
+            }
             None => format!("{:e}: -", target.relmse),
         };
         text += &format!(

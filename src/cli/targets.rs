@@ -105,11 +105,9 @@ pub fn write_json(report: &impl serde::Serialize, path: Option<&Path>) -> Result
 }
 
 fn validity(facts: &Facts) -> VarianceValidity {
-    match (facts.stopped_by, facts.sampler) {
-        _ if facts.shares_points => VarianceValidity::Shared,
-        (StoppedBy::Error, _) => VarianceValidity::Stopped,
-        (_, SamplerKind::Sobol) => VarianceValidity::Correlated,
-        (_, SamplerKind::Independent) => VarianceValidity::Independent,
+    match facts.stopped_by {
+        StoppedBy::Error if !facts.shares_points => VarianceValidity::Stopped,
+        _ => VarianceValidity::of(facts.sampler, facts.shares_points),
     }
 }
 

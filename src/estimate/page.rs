@@ -16,6 +16,10 @@ pub fn plots(study: &Study) -> Vec<(&'static str, Plot)> {
         ("rmse-samples", errors(study, "RMSE against samples", "samples", samples, "RMSE", rmse)),
         ("rmse-seconds", errors(study, "RMSE against run time", "seconds of one core", |c| c.seconds, "RMSE", rmse)),
         ("mae-samples", errors(study, "Mean absolute error against samples", "samples", samples, "MAE", mae)),
+        (
+            "mae-seconds",
+            errors(study, "Mean absolute error against run time", "seconds of one core", |c| c.seconds, "MAE", mae),
+        ),
     ];
     if study.rows.iter().any(|row| row.claim == Claim::Biased) {
         let size = |c: &Cell| Estimate { value: c.bias.value.abs(), ..c.bias };

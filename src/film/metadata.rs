@@ -1,5 +1,6 @@
 //! Attributes of an image file: what it was rendered from, with and by.
 
+use crate::sampling::SamplerKind;
 use std::fmt;
 
 /// A named attribute's value in an EXR header.
@@ -68,6 +69,15 @@ pub enum VarianceValidity {
 
 impl VarianceValidity {
     const ALL: [Self; 4] = [Self::Independent, Self::Correlated, Self::Stopped, Self::Shared];
+
+    /// Of a number of samples chosen beforehand.
+    pub fn of(sampler: SamplerKind, shares_points: bool) -> Self {
+        match sampler {
+            _ if shares_points => Self::Shared,
+            SamplerKind::Sobol => Self::Correlated,
+            SamplerKind::Independent => Self::Independent,
+        }
+    }
 
     /// The attribute's text: a key word, then what it means.
     pub fn text(self) -> &'static str {

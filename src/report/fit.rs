@@ -168,29 +168,61 @@ pub fn fit_power_law(points: &[(f64, Estimate)]) -> Option<PowerLaw> {
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Reached {
     pub budget: f64,
+    /// Its interval at [`CONFIDENCE`]; 0 and ∞ (`null` in JSON) where the errors' own are not known.
+    #[serde(default)]
+    pub lo: f64,
+    #[serde(with = "open_end::high", default)]
+    pub hi: f64,
     /// Beyond what was measured, along the fitted power law: a guess, not a measurement.
     pub extrapolated: bool,
+}
+
+impl Reached {
+    /// A relative error of the budget, small or not: the interval is that of its logarithm.
+    fn new(budget: f64, relative_error: f64, dof: u32, extrapolated: bool) -> Self {
+        let ln = Estimate::student(budget.ln(), relative_error, dof);
+        let known = relative_error.is_finite() && dof > 0;
+        let (lo, hi) = if known { (ln.lo.exp(), ln.hi.exp()) } else { (0.0, f64::INFINITY) };
+        Reached { budget, lo, hi, extrapolated }
+    }
+
+    /// With something that costs `more` whatever the error.
+    pub fn plus(self, more: f64) -> Self {
+        Reached { budget: self.budget + more, lo: self.lo + more, hi: self.hi + more, ..self }
+    }
 }
 
 /// The budget from which on y ≤ `target`. `points` are (x, y) with x increasing; between neighbours ln y is linear in
 /// ln x, outside the points y goes on from the nearest one with the given `exponent`. `None` where there is nothing to
 /// go by, or the errors do not fall.
-pub fn budget_for(points: &[(f64, f64)], target: f64, exponent: Option<f64>) -> Option<Reached> {
-    let points: Vec<_> = points.iter().copied().filter(|&(x, y)| x > 0.0 && y > 0.0).collect();
+///
+/// Its interval is that of y at the budget found, over the slope there; of a budget extrapolated the exponent's error
+/// times the distance is added, not in quadrature, since the exponent may come from the same points.
+pub fn budget_for(points: &[(f64, Estimate)], target: f64, exponent: Option<Estimate>) -> Option<Reached> {
+    let points: Vec<_> = points.iter().copied().filter(|&(x, y)| x > 0.0 && y.value > 0.0).collect();
     let (first, last) = (*points.first()?, *points.last()?);
-    let along = |(x, y): (f64, f64), slope: f64| x * (target / y).powf(1.0 / slope);
-    if last.1 > target || first.1 <= target {
-        let from = if last.1 > target { last } else { first };
-        if from.1 == target {
-            return Some(Reached { budget: from.0, extrapolated: false });
+    if last.1.value > target || first.1.value <= target {
+        let (x, y) = if last.1.value > target { last } else { first };
+        let slope = exponent.filter(|slope| slope.value < 0.0);
+        if y.value == target {
+            let error = slope.map_or(f64::INFINITY, |slope| y.relative_error() / -slope.value);
+            return Some(Reached::new(x, error, y.dof, false));
         }
-        let slope = exponent.filter(|&slope| slope < 0.0)?;
-        return Some(Reached { budget: along(from, slope), extrapolated: true });
+        let slope = slope?;
+        let far = (target / y.value).ln() / slope.value;
+        let error = y.relative_error() / -slope.value + far.abs() * slope.relative_error();
+        return Some(Reached::new(x * far.exp(), error, y.dof.min(slope.dof), true));
     }
     // The last pair that falls through the target: from there on all measured errors are at most the target.
-    let pair = points.windows(2).rev().find(|pair| pair[0].1 > target)?;
-    let slope = (pair[1].1 / pair[0].1).ln() / (pair[1].0 / pair[0].0).ln();
-    Some(Reached { budget: along(pair[0], slope), extrapolated: false })
+    let pair = points.windows(2).rev().find(|pair| pair[0].1.value > target)?;
+    let [(x0, y0), (x1, y1)] = [pair[0], pair[1]];
+    let slope = (y1.value / y0.value).ln() / (x1 / x0).ln();
+    let far = (target / y0.value).ln() / slope;
+    let share = far / (x1 / x0).ln();
+    let error = ((1.0 - share) * y0.relative_error()).hypot(share * y1.relative_error());
+    // An end that does not count is no reason for doubt.
+    let dof = [(1.0 - share, y0.dof), (share, y1.dof)].iter().filter(|p| p.0 > 0.0).map(|p| p.1).min().unwrap_or(0);
+    Some(Reached::new(x0 * far.exp(), error / -slope, dof, false))
 }
 
 /// An infinite end is `null` in JSON, which has no infinities.

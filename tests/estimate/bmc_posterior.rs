@@ -7,11 +7,6 @@ use octolux::estimate::bmc::{
 };
 use std::f64::consts::TAU;
 
-/// A standard normal number (Box & Muller 1958).
-fn normal(rng: &mut Rng) -> f64 {
-    (-2.0 * (1.0 - rng.f64()).ln()).sqrt() * (TAU * rng.f64()).cos()
-}
-
 /// Lower factor of a positive definite matrix given by rows.
 fn factor(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut l: Vec<Vec<f64>> = Vec::new();
@@ -28,7 +23,7 @@ fn factor(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
 }
 
 fn draw(l: &[Vec<f64>], rng: &mut Rng) -> Vec<f64> {
-    let e: Vec<f64> = l.iter().map(|_| normal(rng)).collect();
+    let e: Vec<f64> = l.iter().map(|_| rng.normal()).collect();
     l.iter().map(|row| row.iter().zip(&e).map(|(a, b)| a * b).sum()).collect()
 }
 

@@ -33,10 +33,10 @@ fn ln_ratio(squares: &[[f64; 5]], a: usize, b: usize) -> [f64; 2] {
 
 /// The targets: RMSE at most 1/24 of MC-IS and 1/2.3 of Owen–Sobol on smooth skies, asserted at one-sided 99 %. The skies are
 /// none of those that the default smoothness was chosen on. Of methods that just met the targets 99 in 100 such tests
-/// would fail; of one a fifth better (29), with a standard error of 5 %, one in fourteen.
+/// would fail; of one a fifth better (29), with the standard error of 5.6 % that they have, one in seven.
 #[test]
 fn smooth_skies_are_integrated_far_better() {
-    let squares = relative_squares("sky", 1000..1060);
+    let squares = relative_squares("sky", 1000..1120);
     for (name, method, target) in [("mc-is", 0, 24f64), ("owen", 1, 2.3)] {
         let [ln, error] = ln_ratio(&squares, method, 3);
         println!("sky: {name} over bmc-is: {:.2} ± {:.1} %, wanted {target}", ln.exp(), 100.0 * error);

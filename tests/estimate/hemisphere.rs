@@ -138,12 +138,11 @@ fn names_that_are_none_are_refused() {
     assert!(hemisphere("cosine", f64::NAN, 0, Width::Eight).is_err());
 }
 
-/// A learned density is unbiased, its measured variance is the predicted ∫F²/p − I², and where light is concentrated it
-/// beats the cosine. 2,000 estimates of 16 samples: a bias of 4 % of a standard deviation, and a variance off by a fifth,
-/// would be seen.
+/// A learned density is unbiased, its measured variance is the predicted ∫F²/p − I², and it beats the cosine. 2,000 estimates of 16 samples: a bias of a tenth of a standard deviation, and a variance off by a
+/// fifth, would be seen.
 #[test]
 fn a_learned_density_has_the_variance_that_theory_gives_it() {
-    for (name, gain) in [("cos3", 2.0), ("sky", 4.0), ("edge", 4.0), ("sun", 4.0)] {
+    for name in ["cos3", "sky", "edge", "sun"] {
         let problem = hemisphere(name, 1.0, 3, Width::Eight).unwrap();
         let s = super::study(&problem, &["mc:learned", "mc-is"], &[16], 2000, 7);
         let [learned, cosine] = [0, 1].map(|i| &s.rows[i].cells[0]);
@@ -155,8 +154,8 @@ fn a_learned_density_has_the_variance_that_theory_gives_it() {
         assert!(!learned.biased, "{name}: z = {:?}", learned.z);
         // Four standard errors, eight such tests.
         assert!((ratio.value - 1.0).abs() < 4.0 * ratio.standard_error, "{name}: {ratio:?}");
-        assert!(ratio.standard_error < 0.05 || name == "sun", "{name}: {ratio:?}");
-        assert!(gain * learned.variance < cosine.variance, "{name}: {} {}", learned.variance, cosine.variance);
+        assert!(ratio.standard_error < 0.05, "{name}: {ratio:?}");
+        assert!(learned.variance < cosine.variance, "{name}: {} {}", learned.variance, cosine.variance);
     }
 }
 

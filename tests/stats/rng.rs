@@ -41,6 +41,11 @@ impl Rng {
         ((self.u64() as u128 * n as u128) >> 64) as usize
     }
 
+    /// A standard normal number (Box & Muller 1958).
+    pub fn normal(&mut self) -> f64 {
+        (-2.0 * (1.0 - self.f64()).ln()).sqrt() * (std::f64::consts::TAU * self.f64()).cos()
+    }
+
     /// A unit vector, uniform over the sphere.
     pub fn sphere(&mut self) -> [f64; 3] {
         let z = self.range(-1.0, 1.0);

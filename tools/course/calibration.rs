@@ -1,6 +1,6 @@
 //! How often the truth lies inside the intervals that the posterior gives, over the pixels of one render.
 
-use crate::renders::{film_with, prepare};
+use crate::renders::{film_with, prepare_with};
 use octolux::estimate::bmc::{Covariance, Points};
 use octolux::film::Film;
 use octolux::render;
@@ -19,7 +19,7 @@ pub fn print(scene: &Scene) -> Result<(), Box<dyn Error>> {
         scene.integrator.kind = IntegratorKind::Gather;
         scene.integrator.max_bounces = 1;
         scene.integrator.gather = gather;
-        prepare(&scene, 0).map(|world| film_with(&pool, &world, 1, true).0)
+        prepare_with(&scene, 0, true).map(|world| film_with(&pool, &world, 1, true).0)
     };
     let truth = gathered(Gather {
         method: GatherMethod::McIs,

@@ -72,6 +72,11 @@ const BMC_IS: Method = Method { name: "bmc-is", importance: true, ..BMC };
 const BMC_IS_LATTICE: Method = Method { name: "bmc-is, fibonacci", points: Points::Fibonacci, ..BMC_IS };
 
 impl Method {
+    /// The same in all figures.
+    fn look(&self) -> usize {
+        [MC, MC_IS, BMC, BMC_IS].iter().position(|m| m.name == self.name).unwrap_or(4)
+    }
+
     /// Mean |error| and its standard error.
     fn error(&self, n: usize, integrand: &Integrand) -> (f64, f64) {
         let sets = if self.covariance.is_some() { BMC_ESTIMATES } else { MC_ESTIMATES };
@@ -110,7 +115,7 @@ pub fn write(scene: &Scene, folder: &Path) -> Result<(), Box<dyn Error>> {
             let title = format!("{}: {}", practice.to_uppercase(), integrand.name);
             let mut plot =
                 Plot::new(title, ("directions", Scale::Log), ("mean |error|", Scale::Log)).guide(Guide::slope(-0.5));
-            for (style, method) in methods.iter().enumerate() {
+            for method in methods {
                 let found: Vec<(f64, f64)> = COUNTS.iter().map(|&n| method.error(n, &integrand)).collect();
                 let shown = |k: usize| format!("{:.2e} ± {:.0e}", found[k].0, found[k].1);
                 println!(
@@ -127,7 +132,7 @@ pub fn write(scene: &Scene, folder: &Path) -> Result<(), Box<dyn Error>> {
                     Point { x: *n as f64, y, lo: (y - s).max(0.5 * y), hi: y + s }
                 };
                 let points = COUNTS.iter().zip(&found).map(point).collect();
-                plot = plot.curve(Curve::new(method.name, points).styled(style));
+                plot = plot.curve(Curve::new(method.name, points).styled(method.look()));
             }
             std::fs::write(folder.join(format!("{practice}-{}.svg", integrand.file)), plot.svg_file())?;
         }

@@ -81,12 +81,16 @@ fn one_bounce(scene: &Scene) -> Scene {
     scene
 }
 
-pub fn prepare(scene: &Scene, seed: u64) -> Result<World, Box<dyn Error>> {
-    let options = Prepare { seed, ..Prepare::default() };
-    Ok(World::new(scene, Plan::new(scene, Force::default(), true), options)?)
+fn prepare(scene: &Scene, seed: u64) -> Result<World, Box<dyn Error>> {
+    prepare_with(scene, seed, false)
 }
 
-/// A film without features, so that nobody computes what they would hold.
+/// With features or without: what nobody looks at is not computed.
+pub fn prepare_with(scene: &Scene, seed: u64, features: bool) -> Result<World, Box<dyn Error>> {
+    let options = Prepare { seed, ..Prepare::default() };
+    Ok(World::new(scene, Plan::new(scene, Force::default(), features), options)?)
+}
+
 fn film(pool: &rayon::ThreadPool, world: &World, samples: u64) -> (Film, f64) {
     film_with(pool, world, samples, false)
 }

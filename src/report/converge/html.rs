@@ -42,7 +42,8 @@ fn page(report: &ConvergeReport, images: &[Image]) -> Page {
 
 const COSTS_NOTE: &str = "Slopes are those of relMSE with their 95 % intervals; independent samples have −1. A bend of \
     1 is what the points' own errors explain; far above it the points do not lie on a line. Times to a relMSE are \
-    interpolated between measured budgets; ~ marks those beyond them, extrapolated along the slope. Time to unit variance \
+    interpolated between measured budgets; ~ marks those beyond them, extrapolated along the slope; in brackets their 95 % intervals, from those of \
+    the errors, the seconds and the slope. Set-up is that of the scene and the tables; the wall clock includes it. Time to unit variance \
     is variance × seconds at the largest budget.";
 
 fn reference_line(report: &ConvergeReport) -> String {
@@ -108,7 +109,11 @@ fn cost_row(v: &VariantReport) -> Vec<Cell> {
     row.extend([slope(&v.relmse_by_seconds), number(v.setup_seconds), unit].map(Cell::from));
     let reached = |r: Option<Reached>| match r {
         None => "–".to_owned(),
-        Some(r) => format!("{}{}", if r.extrapolated { "~ " } else { "" }, number(r.budget)),
+        Some(r) => {
+            let interval =
+                if r.hi.is_finite() { format!(" [{}, {}]", number(r.lo), number(r.hi)) } else { String::new() };
+            format!("{}{}{interval}", if r.extrapolated { "~ " } else { "" }, number(r.budget))
+        }
     };
     for target in &v.targets {
         row.extend([target.seconds, target.wall_seconds, target.paths].map(|r| Cell::from(reached(r))));

@@ -234,7 +234,8 @@ fn save(folder: &Path, variant: &Variant, key: CellKey, outcome: &Outcome) -> Re
     ];
     let start = Instant::now();
     let path = folder.join(&image);
-    variant.pool.install(|| film::write_exr(&outcome.film, &path, &attributes, VarianceValidity::Independent))?;
+    let validity = VarianceValidity::of(variant.world.sampler, variant.world.integrator.shares_points());
+    variant.pool.install(|| film::write_exr(&outcome.film, &path, &attributes, validity))?;
     Ok(Cell {
         samples_per_pixel: outcome.film.samples(),
         render_seconds: outcome.render_seconds,

@@ -252,21 +252,17 @@ fn variant_report(variant: &Variant, rows: Vec<Row>) -> VariantReport {
     let samples = curve(|row| row.samples_per_pixel as f64);
     let seconds: Vec<_> = rows.iter().map(|row| (row.seconds.value, row.relmse.uncertain_by(row.seconds))).collect();
     let (by_samples, by_seconds) = (fit_power_law(&samples), fit_power_law(&seconds));
-    let slope = |law: &Option<PowerLaw>| law.map(|law| law.exponent.value);
-    let reach = |curve: &[(f64, Estimate)], target: f64, slope: Option<f64>| {
-        let points: Vec<_> = curve.iter().map(|(x, y)| (*x, y.value)).collect();
-        budget_for(&points, target, slope)
-    };
+    let slope = |law: &Option<PowerLaw>| law.map(|law| law.exponent);
     let overhead = |row: &Row| row.wall_seconds.value - row.seconds.value;
     let target = |&relmse: &f64| {
-        let seconds = reach(&seconds, relmse, slope(&by_seconds));
+        let seconds = budget_for(&seconds, relmse, slope(&by_seconds));
         let around = rows.last().map_or(0.0, overhead);
         Target {
             relmse,
-            paths: reach(&curve(|row| row.paths as f64), relmse, slope(&by_samples)),
+            paths: budget_for(&curve(|row| row.paths as f64), relmse, slope(&by_samples)),
             seconds,
             // Not along the wall clock's own slope, which the fixed part bends.
-            wall_seconds: seconds.map(|s| Reached { budget: s.budget + around, ..s }),
+            wall_seconds: seconds.map(|s| s.plus(around)),
         }
     };
     let targets = TARGETS.iter().map(target).collect();

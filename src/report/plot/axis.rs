@@ -81,7 +81,8 @@ impl Axis {
         (first..=last).map(|i| i as f64 * step).map(|value| Tick { value, label: label(value) }).collect()
     }
 
-    /// Decades are labelled, every second or third where they are dense; 2 and 5 too where less than two are in view.
+    /// Decades are labelled, every second or third where they are dense; 2 and 5 too where less than two are in view, and
+    /// whatever has room where none is.
     fn log_ticks(&self, room: f64) -> Vec<Tick> {
         let pixels = self.length / (self.high - self.low);
         let every = (room / pixels).ceil().max(1.0) as i64;
@@ -96,6 +97,8 @@ impl Axis {
                 }
                 let named = digit == 1 && decade.rem_euclid(every) == 0;
                 let named = named || (in_view < 2 && matches!(digit, 1 | 2 | 5) && 0.3 * pixels >= room);
+                let to_next = (1.0 + 1.0 / f64::from(digit)).log10() * pixels;
+                let named = named || (in_view == 0 && to_next >= room);
                 let label = if named { power_of_ten(digit, decade) } else { String::new() };
                 ticks.push(Tick { value: f64::from(digit) * 10f64.powi(decade as i32), label });
             }

@@ -42,7 +42,8 @@ impl Learned {
             };
             (0..EACH).map(square).sum::<f64>() / EACH as f64
         };
-        let learned: Vec<f64> = (0..ROWS * COLUMNS).map(|cell| mean_square(cell).sqrt()).collect();
+        let seen: Vec<f64> = (0..ROWS * COLUMNS).map(mean_square).collect();
+        let learned: Vec<f64> = (0..ROWS * COLUMNS).map(|cell| filtered(&seen, cell).sqrt()).collect();
         let sum: f64 = learned.iter().sum();
         let even = 1.0 / (ROWS * COLUMNS) as f64;
         // Of a function that the pilot saw nothing of nothing is learned.
@@ -105,6 +106,16 @@ impl Learned {
         let solid_angle = TAU / (ROWS * COLUMNS) as f64;
         self.density.iter().enumerate().map(|(cell, p)| solid_angle * mean(cell) / p).sum()
     }
+}
+
+/// Half of a cell's own value, half of the mean of those around it: where an edge crosses a cell the pilot may have missed
+/// what is bright there (filtering as in Müller 2019, "Practical Path Guiding in Production", § 2).
+fn filtered(seen: &[f64], cell: usize) -> f64 {
+    let (row, column) = (cell / COLUMNS, cell % COLUMNS);
+    let rows = row.saturating_sub(1)..=(row + 1).min(ROWS - 1);
+    let around = rows.flat_map(|r| (0..3).map(move |k| r * COLUMNS + (column + COLUMNS + k - 1) % COLUMNS));
+    let (sum, count) = around.filter(|&c| c != cell).fold((0.0, 0.0), |(s, n), c| (s + seen[c], n + 1.0));
+    0.5 * seen[cell] + 0.5 * sum / count
 }
 
 /// The place of `u` among cumulative probabilities, and how far inside it lies.
