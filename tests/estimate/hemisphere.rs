@@ -138,8 +138,8 @@ fn names_that_are_none_are_refused() {
     assert!(hemisphere("cosine", f64::NAN, 0, Width::Eight).is_err());
 }
 
-/// A learned density is unbiased, its measured variance is the predicted ∫F²/p − I², and it beats the cosine. 2,000 estimates of 16 samples: a bias of a tenth of a standard deviation, and a variance off by a
-/// fifth, would be seen.
+/// A learned density is unbiased, its measured variance is the predicted ∫F²/p − I², and it beats the cosine. 2,000
+/// estimates of 16 samples: a bias of a tenth of a standard deviation, and a variance off by a fifth, would be seen.
 #[test]
 fn a_learned_density_has_the_variance_that_theory_gives_it() {
     for name in ["cos3", "sky", "edge", "sun"] {
