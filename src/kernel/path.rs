@@ -13,8 +13,8 @@ use super::tile::SampleBuffer;
 use super::world::World;
 use crate::accel::Mode;
 use crate::geometry::{Hit, Ray, SurfacePoint, shadow_ray};
-use crate::lane::{Mask, Real, Vec3};
-use crate::light::{LightSample, sphere_pdf, triangle_pdf};
+use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::light::{LightSample, Lights, sphere_pdf, triangle_pdf};
 use crate::sampling::dimensions::*;
 use crate::sampling::{Frame, Sampler};
 
@@ -44,6 +44,8 @@ pub struct Paths<R: Real> {
     /// Product of the relative indices of refraction along the path, squared.
     pub eta_squared: R,
     pub bounce: R,
+    /// From which [table](crate::light::Lights::table_at) of lights the vertex chose that the ray left.
+    pub table: R::Bits,
     pub slot: R::Bits,
     pub alive: R::Mask,
 }
@@ -60,6 +62,7 @@ impl<R: Real> Paths<R> {
             bsdf_pdf: R::splat(f32::INFINITY),
             eta_squared: R::one(),
             bounce: R::zero(),
+            table: R::Bits::splat(0),
             slot,
             alive,
         }
@@ -109,7 +112,12 @@ pub(super) fn vertex<R: Real, S: ShadingKind, P: Probe>(
     let frame = Frame::from_normal(surface.ns);
     let wo = frame.to_local(outward);
     // A direction counts only where its sides against both normals agree; the viewer's no less than others.
-    let scatters = scatters & same_side(wo.z, surface.ng.dot(outward));
+    let facing = surface.ng.dot(outward);
+    let scatters = scatters & same_side(wo.z, facing);
+    if let Some(lights) = world.lights.as_ref().filter(|lights| lights.has_grid()) {
+        let n = Vec3::select(facing.lt(R::zero()), -surface.ng, surface.ng);
+        paths.table = lights.table_at(surface.at.p, n);
+    }
     let mut direct = None;
     if world.lights.is_some() && scatters.any() {
         direct = sample_direct::<R, S, P>(world, paths, &surface, &frame, wo, &u, scatters, probe);
@@ -162,6 +170,9 @@ fn add_emission<R: Real, P: Probe>(
         let of_sphere = sphere_pdf(surface.light_row, sphere.center, sphere.radius, paths.ray.origin);
         pdf = R::select(on_sphere, of_sphere, pdf);
     }
+    if let Some(lights) = world.lights.as_ref().filter(|lights| lights.has_grid()) {
+        pdf = pdf * lights.choice_ratio(paths.hit.primitive, paths.table, emitting);
+    }
     let contribution = paths.beta.hadamard(surface.material.emission) * mis_weight(paths.bsdf_pdf, pdf);
     let contribution = probe.tap_rgb(Stage::Emission, paths.lanes(emitting), contribution);
     out.add(paths.slot, contribution, emitting);
@@ -185,7 +196,12 @@ fn sample_direct<R: Real, S: ShadingKind, P: Probe>(
         return None;
     }
     let u_position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
-    let mut light = world.sample_light(surface.at.p, u[LIGHT_CHOICE], u_position, lit)?;
+    let p = surface.at.p;
+    let mut light = if world.lights.as_ref().is_some_and(Lights::has_grid) {
+        world.sample_light_from(p, paths.table, u[LIGHT_CHOICE], u_position, lit)?
+    } else {
+        world.sample_light(p, u[LIGHT_CHOICE], u_position, lit)?
+    };
     if world.plan.patterned_lights {
         pattern::look_up(world, &mut light, u_position, lit);
     }

@@ -25,7 +25,7 @@ const POOL: usize = 512;
 const TOGETHER: usize = 8;
 
 /// Values a path keeps from vertex to vertex, and with its hit.
-const GOING: usize = 17;
+const GOING: usize = 18;
 const HIT: usize = GOING + 4;
 /// Of a ray that left the scene, and of a shadow ray.
 const MISSED: usize = 9;
@@ -294,8 +294,9 @@ impl<'a, R: Real, T: Traversal, S: ShadingKind, P: Probe> Wave<'a, R, T, S, P> {
 fn pack<R: Real>(paths: &Paths<R>) -> [R; GOING] {
     let (o, d, b) = (paths.ray.origin, paths.ray.direction, paths.beta);
     let [w0, w1, w2, w3] = paths.rng.words().map(R::from_bits);
-    let (slot, pdf) = (R::from_bits(paths.slot), paths.bsdf_pdf);
-    [o.x, o.y, o.z, d.x, d.y, d.z, b.x, b.y, b.z, w0, w1, w2, w3, pdf, paths.eta_squared, paths.bounce, slot]
+    let (slot, table) = (R::from_bits(paths.slot), R::from_bits(paths.table));
+    let (pdf, eta, bounce) = (paths.bsdf_pdf, paths.eta_squared, paths.bounce);
+    [o.x, o.y, o.z, d.x, d.y, d.z, b.x, b.y, b.z, w0, w1, w2, w3, pdf, eta, bounce, table, slot]
 }
 
 #[inline(always)]
@@ -322,7 +323,7 @@ fn shadow_ray<R: Real>(row: &[R; SHADOW]) -> Ray<R> {
 /// Paths on their way, without a hit.
 #[inline(always)]
 fn unpack<R: Real>(row: &[R; GOING], alive: R::Mask) -> Paths<R> {
-    let [ox, oy, oz, dx, dy, dz, bx, by, bz, w0, w1, w2, w3, bsdf_pdf, eta_squared, bounce, slot] = *row;
+    let [ox, oy, oz, dx, dy, dz, bx, by, bz, w0, w1, w2, w3, bsdf_pdf, eta_squared, bounce, table, slot] = *row;
     let ray = Ray { origin: Vec3::new(ox, oy, oz), direction: Vec3::new(dx, dy, dz), t_max: R::splat(f32::INFINITY) };
     Paths {
         hit: Hit::miss(ray.t_max),
@@ -332,6 +333,7 @@ fn unpack<R: Real>(row: &[R; GOING], alive: R::Mask) -> Paths<R> {
         bsdf_pdf,
         eta_squared,
         bounce,
+        table: table.to_bits(),
         slot: slot.to_bits(),
         alive,
     }

@@ -8,7 +8,7 @@ use super::texture::TextureTable;
 use crate::accel::{Accel, BuildOptions, BuildReport, Mode, Preset};
 use crate::geometry::{Hit, Ray, Rows, SphereAt, SphereRows, TriangleRows};
 use crate::lane::{Bits, Mask, Real, Vec3, float_mode};
-use crate::light::{Emitter, EmitterShape, Extent, LightError, LightSample, Lights};
+use crate::light::{Emitter, EmitterShape, Extent, LightError, LightSample, Lights, Receivers};
 use crate::plan::{GeometryMode, Plan};
 use crate::sampling::SamplerKind;
 use crate::scene::{DeltaLight, FilmSize, Integrator, IntegratorKind, NO_NORMAL, NO_TEXCOORD, Scene};
@@ -167,6 +167,19 @@ impl World {
         Some(self.lights.as_ref()?.sample(p, u_choice, u, active))
     }
 
+    /// The same, area lights from a [table](Lights::table_at).
+    #[inline(never)]
+    pub fn sample_light_from<R: Real>(
+        &self,
+        p: Vec3<R>,
+        table: R::Bits,
+        u_choice: R,
+        u: [R; 2],
+        active: R::Mask,
+    ) -> Option<LightSample<R>> {
+        Some(self.lights.as_ref()?.sample_from(p, Some(table), u_choice, u, active))
+    }
+
     /// Lanes whose primitive is a sphere. Primitives are fewer than 2³¹: the difference is negative for triangles.
     #[inline(always)]
     pub fn on_sphere<R: Real>(&self, primitive: R::Bits) -> R::Mask {
@@ -244,7 +257,10 @@ fn build_lights(
     }
     let environment = scene.environment.as_ref().filter(|_| plan.environment);
     let delta = if plan.delta_lights { &scene.delta_lights[..] } else { &[] };
-    let lights = Lights::with_delta(emitters, environment, delta, extent(scale, positions, spheres))?;
+    let mut lights = Lights::with_delta(emitters, environment, delta, extent(scale, positions, spheres))?;
+    if matches!(scene.integrator.kind, IntegratorKind::Path | IntegratorKind::Direct) {
+        lights.add_grid(&Receivers { positions, triangles: &scene.mesh.triangles, spheres });
+    }
     Ok(Some(lights).filter(|lights| !lights.is_empty()))
 }
 

@@ -1,6 +1,7 @@
 //! The emitting primitives: one row each, chosen by power.
 
 use super::alias::{MAX_ENTRIES, Table};
+use super::grid::{ChoiceGrid, Lamp, Receivers};
 use super::sample::LightPoint;
 use super::sphere::{self, sphere_pdf};
 use super::triangle::{self, Triangle, triangle_pdf};
@@ -30,6 +31,15 @@ pub(super) struct AreaLights {
     primitives: Vec<u32>,
     first_sphere: usize,
     table: Table,
+    /// Of each row, by power, area lights' share left out.
+    probability: Vec<f64>,
+    grid: Option<Grid>,
+}
+
+/// A grid, and which row each primitive of the scene is; 0 for those that are none.
+struct Grid {
+    choice: ChoiceGrid,
+    row_of: Vec<u32>,
 }
 
 impl AreaLights {
@@ -48,7 +58,52 @@ impl AreaLights {
         let (table, probability) = Table::build(&powers);
         let rows = emitters.iter().zip(&probability).map(|(e, p)| row(e, p * share)).collect();
         let primitives = emitters.iter().map(|e| e.primitive).collect();
-        Ok(Some(Self { rows, primitives, first_sphere, table }))
+        Ok(Some(Self { rows, primitives, first_sphere, table, probability, grid: None }))
+    }
+
+    /// From now on lights can be chosen by place too, if they are many.
+    pub(super) fn add_grid(&mut self, receivers: &Receivers) {
+        let lamps: Vec<Lamp> = (0..self.rows.len()).map(|i| self.lamp(i)).collect();
+        self.grid = ChoiceGrid::build(&lamps, receivers).map(|choice| {
+            let mut row_of = vec![0; receivers.triangles.len() + receivers.spheres.len()];
+            for (row, primitive) in self.primitives.iter().enumerate() {
+                row_of[*primitive as usize] = row as u32;
+            }
+            Grid { choice, row_of }
+        });
+    }
+
+    fn lamp(&self, i: usize) -> Lamp {
+        let row = &self.rows[i];
+        let vector = |k: usize| glam::DVec3::new(row[k].into(), row[k + 1].into(), row[k + 2].into());
+        let radiance = vector(RADIANCE).element_sum() / 3.0;
+        let probability = self.probability[i];
+        if i < self.first_sphere {
+            let (e1, e2) = (vector(E1), vector(E2));
+            let (center, area) = (vector(P0) + (e1 + e2) / 3.0, 0.5 * e1.cross(e2).length());
+            Lamp { center, normal: Some(vector(NG)), area, radiance, probability }
+        } else {
+            let area = PI * f64::from(row[RADIUS]).powi(2);
+            Lamp { center: vector(CENTER), normal: None, area, radiance, probability }
+        }
+    }
+
+    pub(super) fn has_grid(&self) -> bool {
+        self.grid.is_some()
+    }
+
+    /// See [`Lights::table_at`](super::Lights::table_at).
+    #[inline(always)]
+    pub(super) fn table_at<R: Real>(&self, p: Vec3<R>, n: Vec3<R>) -> R::Bits {
+        self.grid.as_ref().map_or(R::Bits::splat(0), |grid| grid.choice.locate(p, n))
+    }
+
+    /// See [`Lights::choice_ratio`](super::Lights::choice_ratio).
+    #[inline(always)]
+    pub(super) fn choice_ratio<R: Real>(&self, primitive: R::Bits, table: R::Bits, emitting: R::Mask) -> R {
+        let Some(Grid { choice, row_of }) = &self.grid else { return R::one() };
+        let row = R::Bits::from_fn(|i| if emitting.lane(i) { row_of[primitive.lane(i) as usize] } else { 0 });
+        choice.ratio(table, row)
     }
 
     pub(super) fn len(&self) -> usize {
@@ -56,15 +111,29 @@ impl AreaLights {
     }
 
     pub(super) fn memory(&self) -> usize {
-        size_of_val(&*self.rows) + size_of_val(&*self.primitives) + self.table.memory()
+        let grid = self.grid.as_ref().map_or(0, |grid| grid.choice.memory() + size_of_val(&*grid.row_of));
+        size_of_val(&*self.rows) + size_of_val(&*self.primitives) + self.table.memory() + grid
     }
 
-    /// A point on a light chosen by `u_choice`, as seen from `origin`, with its radiance and primitive.
+    /// A point on a light chosen by `u_choice`, as seen from `origin`, with its radiance and primitive: by power, or from
+    /// a `table` of the grid.
     #[inline(always)]
-    pub(super) fn sample<R: Real>(&self, origin: Vec3<R>, u_choice: R, u: [R; 2]) -> (LightPoint<R>, Vec3<R>, R::Bits) {
-        let index = self.table.choose(u_choice, u);
+    pub(super) fn sample<R: Real>(
+        &self,
+        origin: Vec3<R>,
+        table: Option<R::Bits>,
+        u_choice: R,
+        u: [R; 2],
+    ) -> (LightPoint<R>, Vec3<R>, R::Bits) {
+        let (index, ratio) = match (&self.grid, table) {
+            (Some(grid), Some(table)) => {
+                let (index, ratio) = grid.choice.choose(table, u_choice);
+                (index, Some(ratio))
+            }
+            _ => (self.table.choose(u_choice, u), None),
+        };
         let rows = LaneRows::<R>::of(&self.rows, index);
-        let point = if self.first_sphere == self.rows.len() {
+        let mut point = if self.first_sphere == self.rows.len() {
             rows.sample_triangle(origin, u)
         } else if self.first_sphere == 0 {
             rows.sample_sphere(origin, u)
@@ -72,6 +141,9 @@ impl AreaLights {
             let is_sphere = R::from_int(index).ge(R::splat(self.first_sphere as f32));
             LightPoint::select(is_sphere, rows.sample_sphere(origin, u), rows.sample_triangle(origin, u))
         };
+        if let Some(ratio) = ratio {
+            point.pdf = point.pdf * ratio;
+        }
         let primitive = R::Bits::from_fn(|i| self.primitives[index.lane(i) as usize]);
         (point, rows.vector(RADIANCE), primitive)
     }

@@ -52,6 +52,15 @@ impl Inversion {
         cumulative.zip(guide).map(|(cumulative, guide)| Table { cumulative, guide }).collect()
     }
 
+    /// How many of the 2²⁴ numbers choose `entry` of a table.
+    #[inline(always)]
+    pub fn share<R: Real>(&self, table: R::Bits, entry: R::Bits) -> R::Bits {
+        R::Bits::from_fn(|i| {
+            let at = table.lane(i) as usize * (self.entries + 1) + entry.lane(i) as usize;
+            self.cumulative[at + 1] - self.cumulative[at]
+        })
+    }
+
     /// Chooses from table `table` by `u`; `fine` in [0, 1) extends `u` below its last bit of 2⁻²⁴.
     #[inline(always)]
     pub fn choose<R: Real>(&self, table: R::Bits, u: R, fine: R) -> Choice<R> {

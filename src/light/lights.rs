@@ -3,8 +3,8 @@
 use super::area::AreaLights;
 use super::delta::{DeltaLights, Extent};
 use super::sample::LightSample;
-use super::{Emitter, EnvironmentMap, LightError};
-use crate::lane::{Mask, Real, Vec3};
+use super::{Emitter, EnvironmentMap, LightError, Receivers};
+use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::sampling::rescale;
 use crate::scene::{DeltaLight, Environment};
 
@@ -63,6 +63,32 @@ impl Lights {
         Ok(Self { area, environment, delta, delta_probability, environment_probability })
     }
 
+    /// Where area lights are many, lets [`Lights::sample_from`] choose them by where the receiver is. Of
+    /// [`Lights::emitter_pdf_row`] and [`Lights::sample`] nothing changes.
+    pub fn add_grid(&mut self, receivers: &Receivers) {
+        if let Some(area) = &mut self.area {
+            area.add_grid(receivers);
+        }
+    }
+
+    /// Are lights chosen by place?
+    pub fn has_grid(&self) -> bool {
+        self.area.as_ref().is_some_and(AreaLights::has_grid)
+    }
+
+    /// The table of the grid for receivers at `p` whose geometric normal, towards the viewer, is `n`. 0 without a grid.
+    #[inline(always)]
+    pub fn table_at<R: Real>(&self, p: Vec3<R>, n: Vec3<R>) -> R::Bits {
+        self.area.as_ref().map_or(R::Bits::splat(0), |area| area.table_at(p, n))
+    }
+
+    /// How many times likelier than [`Lights::emitter_pdf_row`] says a `table` of the grid makes `primitive`, an emitter
+    /// where `emitting`. 1 without a grid.
+    #[inline(always)]
+    pub fn choice_ratio<R: Real>(&self, primitive: R::Bits, table: R::Bits, emitting: R::Mask) -> R {
+        self.area.as_ref().map_or(R::one(), |area| area.choice_ratio(primitive, table, emitting))
+    }
+
     /// Does nothing emit?
     pub fn is_empty(&self) -> bool {
         self.area.is_none() && self.environment.is_none() && self.delta.is_none()
@@ -99,18 +125,38 @@ impl Lights {
     /// What lies between is not looked at.
     #[inline(always)]
     pub fn sample<R: Real>(&self, p: Vec3<R>, u_choice: R, u: [R; 2], active: R::Mask) -> LightSample<R> {
+        self.sample_from(p, None, u_choice, u, active)
+    }
+
+    /// The same, area lights from a table of [`Lights::table_at`].
+    #[inline(always)]
+    pub fn sample_from<R: Real>(
+        &self,
+        p: Vec3<R>,
+        table: Option<R::Bits>,
+        u_choice: R,
+        u: [R; 2],
+        active: R::Mask,
+    ) -> LightSample<R> {
         match (&self.area, &self.environment, &self.delta) {
             (None, None, None) => LightSample::none(),
-            (Some(area), None, None) => sample_area(area, p, u_choice, u).only(active),
+            (Some(area), None, None) => sample_area(area, p, table, u_choice, u).only(active),
             (None, Some(map), None) => sample_environment(map, u, 1.0).only(active),
             (None, None, Some(delta)) => delta.sample(p, u_choice, u, 1.0).only(active),
-            _ => self.sample_one_kind(p, u_choice, u, active),
+            _ => self.sample_one_kind(p, table, u_choice, u, active),
         }
     }
 
     /// The first part of the numbers leads to lights without extent, the second to the environment, the rest to areas.
     #[inline(always)]
-    fn sample_one_kind<R: Real>(&self, p: Vec3<R>, u_choice: R, u: [R; 2], active: R::Mask) -> LightSample<R> {
+    fn sample_one_kind<R: Real>(
+        &self,
+        p: Vec3<R>,
+        table: Option<R::Bits>,
+        u_choice: R,
+        u: [R; 2],
+        active: R::Mask,
+    ) -> LightSample<R> {
         let delta_end = R::splat(self.delta_probability);
         let environment_end = R::splat(self.delta_probability + self.environment_probability);
         let to_delta = u_choice.lt(delta_end);
@@ -122,7 +168,7 @@ impl Lights {
         let mut sample = LightSample::none();
         let area_lanes = active & !to_delta & !to_environment;
         if let Some(area) = self.area.as_ref().filter(|_| area_lanes.any()) {
-            sample = sample_area(area, p, stretched, u).only(area_lanes);
+            sample = sample_area(area, p, table, stretched, u).only(area_lanes);
         }
         let environment_lanes = active & to_environment;
         if let Some(map) = self.environment.as_ref().filter(|_| environment_lanes.any()) {
@@ -170,8 +216,14 @@ impl Lights {
 }
 
 #[inline(always)]
-fn sample_area<R: Real>(area: &AreaLights, p: Vec3<R>, u_choice: R, u: [R; 2]) -> LightSample<R> {
-    let (point, radiance, primitive) = area.sample(p, u_choice, u);
+fn sample_area<R: Real>(
+    area: &AreaLights,
+    p: Vec3<R>,
+    table: Option<R::Bits>,
+    u_choice: R,
+    u: [R; 2],
+) -> LightSample<R> {
+    let (point, radiance, primitive) = area.sample(p, table, u_choice, u);
     LightSample {
         wi: point.wi,
         target: point.target,

@@ -13,6 +13,7 @@ mod area;
 mod delta;
 mod density;
 mod environment;
+mod grid;
 mod image;
 mod inversion;
 mod lights;
@@ -22,6 +23,7 @@ mod triangle;
 
 pub use delta::Extent;
 pub use environment::EnvironmentMap;
+pub use grid::Receivers;
 pub use lights::{ENVIRONMENT_PROBABILITY, Lights};
 pub use sample::{DELTA_LIGHT, LightSample, NO_PRIMITIVE};
 pub use sphere::sphere_pdf;
