@@ -4,6 +4,7 @@
 //! plan is a pure function of the scene and the options; thresholds are compiled constants found by measuring
 //! (`benches/README.md`). A kernel specialised to a scene gives the general kernel's bits on it.
 
+use crate::light::MANY_LIGHTS;
 use crate::scene::{Bsdf, Environment, IntegratorKind, Material, NO_NORMAL, Scene};
 use std::collections::BTreeSet;
 
@@ -58,6 +59,8 @@ pub struct Plan {
     pub shading_normals: bool,
     pub environment: bool,
     pub area_lights: bool,
+    /// Is there a table of them for each part of the scene? The same in the general kernel: it decides on samples.
+    pub light_grid: bool,
     /// Point, spot and directional lights.
     pub delta_lights: bool,
     /// Does the camera have a lens of some size?
@@ -132,6 +135,13 @@ impl Plan {
         let emitters = used.iter().filter(|&&m| scene.materials[m].emission.iter().any(|&e| e > 0.0)).count();
         let area_lights =
             decide("area lights", emitters > 0 && light_transport, format!("{emitters} used materials emit"));
+        let lamps = emitting_primitives(scene);
+        let by_path = matches!(scene.integrator.kind, IntegratorKind::Path | IntegratorKind::Direct);
+        let light_grid = decide(
+            "lights chosen by place",
+            area_lights && by_path && lamps >= MANY_LIGHTS,
+            format!("{lamps} primitives emit, {MANY_LIGHTS} are many"),
+        );
         let shining = scene.delta_lights.iter().filter(|l| l.strength().iter().any(|&c| c > 0.0)).count();
         let why = format!("{shining} in the scene");
         let delta_lights = decide("lights without extent", shining > 0 && light_transport, why);
@@ -177,6 +187,7 @@ impl Plan {
             shading_normals,
             environment,
             area_lights,
+            light_grid,
             delta_lights,
             lens,
             textures,
@@ -215,6 +226,11 @@ impl Images {
             patterned: count(Material::is_patterned),
         }
     }
+}
+
+fn emitting_primitives(scene: &Scene) -> usize {
+    let materials = scene.mesh.material.iter().copied().chain(scene.spheres.iter().map(|s| s.material));
+    materials.filter(|&m| scene.materials[m as usize].emits()).count()
 }
 
 /// Materials that some primitive refers to.

@@ -258,7 +258,7 @@ fn build_lights(
     let environment = scene.environment.as_ref().filter(|_| plan.environment);
     let delta = if plan.delta_lights { &scene.delta_lights[..] } else { &[] };
     let mut lights = Lights::with_delta(emitters, environment, delta, extent(scale, positions, spheres))?;
-    if matches!(scene.integrator.kind, IntegratorKind::Path | IntegratorKind::Direct) {
+    if plan.light_grid {
         lights.add_grid(&Receivers { positions, triangles: &scene.mesh.triangles, spheres });
     }
     Ok(Some(lights).filter(|lights| !lights.is_empty()))

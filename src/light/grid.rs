@@ -12,8 +12,8 @@ use crate::lane::{Bits, Real, Vec3};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Fewer lights are chosen by power.
-const LEAST_LIGHTS: usize = 16;
+/// Fewer area lights than this are chosen by power.
+pub const MANY_LIGHTS: usize = 16;
 /// Entries of all tables together, at most: 4.5 bytes each.
 const MOST_ENTRIES: usize = 1 << 22;
 /// Cells along the longest side of the bounds that are tried.
@@ -73,7 +73,7 @@ struct Cells {
 impl ChoiceGrid {
     /// `None` where lights are few, or too many for tables of a useful number.
     pub(super) fn build(lamps: &[Lamp], receivers: &Receivers) -> Option<Self> {
-        if lamps.len() < LEAST_LIGHTS {
+        if lamps.len() < MANY_LIGHTS {
             return None;
         }
         let (low, high) = receivers.bounds()?;
@@ -131,7 +131,8 @@ impl ChoiceGrid {
         let is_x = x.ge(y) & x.ge(z);
         let is_y = !is_x & y.ge(z);
         let most = R::select(is_x, n.x, R::select(is_y, n.y, n.z));
-        let axis = R::Bits::select(is_x, R::Bits::splat(0), R::Bits::select(is_y, R::Bits::splat(2), R::Bits::splat(4)));
+        let axis =
+            R::Bits::select(is_x, R::Bits::splat(0), R::Bits::select(is_y, R::Bits::splat(2), R::Bits::splat(4)));
         let face = axis + R::Bits::select(most.lt(R::zero()), R::Bits::splat(1), R::Bits::splat(0));
         let place = cell * R::Bits::splat(FACES as u32) + face;
         R::Bits::from_fn(|i| self.table_of[place.lane(i) as usize])
@@ -162,8 +163,8 @@ fn weigh(lamps: &[Lamp], facing: Option<&Facing>, size: f64, weights: &mut [f32]
         let spread = (1.0 - mean.length_squared()).max(0.0).sqrt();
         let normal = mean.normalize_or_zero();
         let (s, t) = if normal == DVec3::ZERO { (DVec3::X, DVec3::Y) } else { normal.any_orthonormal_pair() };
-        let points = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)]
-            .map(|(a, b)| center + 0.25 * size * (a * s + b * t));
+        let points =
+            [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(a, b)| center + 0.25 * size * (a * s + b * t));
         for (weight, lamp) in weights.iter_mut().zip(lamps) {
             let sent: f64 = points.iter().map(|p| lamp.sends(*p, normal, spread, size)).sum();
             *weight = if lamp.probability > 0.0 { sent as f32 } else { 0.0 };
@@ -269,7 +270,13 @@ impl Cells {
 /// The axis a normal lies along most, and which way.
 fn face(n: DVec3) -> usize {
     let a = n.abs();
-    let axis = if a.x >= a.y && a.x >= a.z { 0 } else if a.y >= a.z { 1 } else { 2 };
+    let axis = if a.x >= a.y && a.x >= a.z {
+        0
+    } else if a.y >= a.z {
+        1
+    } else {
+        2
+    };
     2 * axis + usize::from(n[axis] < 0.0)
 }
 

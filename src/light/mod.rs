@@ -23,7 +23,7 @@ mod triangle;
 
 pub use delta::Extent;
 pub use environment::EnvironmentMap;
-pub use grid::Receivers;
+pub use grid::{MANY_LIGHTS, Receivers};
 pub use lights::{ENVIRONMENT_PROBABILITY, Lights};
 pub use sample::{DELTA_LIGHT, LightSample, NO_PRIMITIVE};
 pub use sphere::sphere_pdf;

@@ -4,6 +4,7 @@ mod area;
 mod choice;
 mod delta;
 mod environment;
+mod grid;
 mod image;
 mod irradiance;
 mod scenes;
