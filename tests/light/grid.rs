@@ -62,7 +62,8 @@ impl Room {
     }
 }
 
-/// Receivers on the floor that see every lamp, one where nothing was expected, and one out of bounds.
+/// Receivers on the floor, one where nothing was expected, and one out of bounds, which counts to the cell beside it. All
+/// see every lamp.
 const RECEIVERS: [([f32; 3], [f32; 3]); 5] = [
     ([-0.8, -0.7, -0.5], [0.0, 0.0, 1.0]),
     ([0.6, 0.1, -0.5], [0.1, 0.0, 0.99]),
@@ -77,7 +78,7 @@ fn drawn_as_often_as_stated() {
     let mut rng = Rng::new(32);
     for (k, (p, n)) in RECEIVERS.into_iter().enumerate() {
         let table = room.table(p, n);
-        assert_eq!(table == 0, k >= 3, "receiver {k}");
+        assert_eq!(table == 0, k == 3, "receiver {k}");
         let stated = room.stated(table);
         assert!((stated.iter().sum::<f64>() - 1.0).abs() < 1e-5, "receiver {k}: Σ = {}", stated.iter().sum::<f64>());
         let draws = 400_000;
