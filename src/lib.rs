@@ -15,6 +15,7 @@
 //! | [`kernel`] | the estimators of the integral over lanes: the only hot part |
 //! | [`film`] | f64 accumulation, variance, EXR and PNG |
 //! | [`render`] | budgets, passes, threads: scene in, film out |
+//! | [`own`] | a BSDF, light, sampler or integrand of a program's own |
 //! | [`report`] | comparison, benchmarks, error against run time; plots and pages |
 //! | [`estimate`] | the estimators on their own, and the weights of Bayesian Monte Carlo |
 //! | [`lane`] | the arithmetic under all of it: one source for widths 1, 8 and 16 |
@@ -33,9 +34,13 @@ pub mod geometry;
 pub mod kernel;
 pub mod lane;
 pub mod light;
+pub mod own;
 pub mod plan;
 pub mod process;
 pub mod render;
+mod renderer;
 pub mod report;
 pub mod sampling;
 pub mod scene;
+
+pub use renderer::{RenderError, Renderer};

@@ -14,6 +14,7 @@ mod lane;
 mod light;
 mod numerics;
 mod oracle;
+mod own;
 mod references;
 mod renders;
 mod report;

@@ -21,7 +21,7 @@ pub use dielectric::{Dielectric, LOBE_MIN};
 pub use diffuse::Diffuse;
 pub use phong::{EXPONENT_MAX, Phong};
 
-use crate::lane::{Bits, Real, Vec3};
+use crate::lane::{Bits, Mask, Real, Vec3};
 
 /// Lanes with `alpha` below this scatter as a perfect mirror or smooth interface (a delta lobe).
 ///
@@ -45,6 +45,21 @@ pub struct Sample<R: Real> {
     pub delta: R::Mask,
     /// `wi` carries something. Below-horizon samples are not valid; they are not redrawn, so that pdfs hold.
     pub valid: R::Mask,
+}
+
+impl<R: Real> Sample<R> {
+    /// Lanes of `a` where the mask holds, else of `b`.
+    #[inline(always)]
+    pub(crate) fn select(mask: R::Mask, a: Self, b: Self) -> Self {
+        Sample {
+            wi: Vec3::select(mask, a.wi, b.wi),
+            weight: Vec3::select(mask, a.weight, b.weight),
+            pdf: R::select(mask, a.pdf, b.pdf),
+            eta: R::select(mask, a.eta, b.eta),
+            delta: R::Mask::select(mask, a.delta, b.delta),
+            valid: R::Mask::select(mask, a.valid, b.valid),
+        }
+    }
 }
 
 /// A BSDF towards a given direction; both 0 for delta lobes.

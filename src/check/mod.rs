@@ -5,11 +5,17 @@
 //! width, threads, tile and plan ([`images`]); and every tapped value of every path ([`stages`]), which names the first
 //! that differs.
 //!
+//! [`DirectionTest`] holds samplers of directions to their pdfs.
+//!
 //! [`numerics`] is about the build and the CPU rather than a scene: the catalogue of extreme cases.
 
+mod chi_squared;
+mod directions;
 mod images;
 pub mod numerics;
 mod stages;
 
+pub use chi_squared::ChiSquared;
+pub use directions::{DirectionReport, DirectionTest};
 pub use images::{ImageCase, compare_images};
 pub use stages::{Difference, StageReport, compare_stages, record_tile};

@@ -38,7 +38,7 @@ pub fn stopping<R: Real, M: Mode>(
     hit: Hit<R>,
     active: R::Mask,
 ) -> Hit<R> {
-    if world.plan.cutouts { pass::<R, M>(world, ray, || rng.opacity(world.sampler, bounce), hit, active) } else { hit }
+    if world.plan.cutouts { pass::<R, M>(world, ray, || world.opacity_number(rng, bounce), hit, active) } else { hit }
 }
 
 /// Goes on behind what lanes pass. Directions are unit.

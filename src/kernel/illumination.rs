@@ -178,7 +178,7 @@ fn softened<R: Real>(world: &World, surface: &Surface<R>, direction: Vec3<R>, wi
 
 /// Radiance of what a direction sees, if it emits, and the density with which light sampling finds it.
 fn incident<R: Real>(world: &World, from: &Surface<R>, direction: Vec3<R>, active: R::Mask) -> (Vec3<R>, R) {
-    let ray = Ray { origin: from.leave(direction), direction, t_max: R::splat(f32::INFINITY) };
+    let ray = from.ray_towards(direction);
     let hit = closest::<R>(world, &ray, active);
     let missed = hit.primitive.eq(R::Bits::splat(MISS)) & active;
     let on_surface = active & !missed;

@@ -185,11 +185,11 @@ impl<R: Real> MaterialAt<R> {
         if S::SHADING == Shading::General {
             let conductor = self.is(KIND_CONDUCTOR);
             if (conductor & active).any() {
-                sample = select_sample(conductor, sample_out_of_line(&self.conductor(), wo, u_lobe, u), sample);
+                sample = Sample::select(conductor, sample_out_of_line(&self.conductor(), wo, u_lobe, u), sample);
             }
             let dielectric = self.is(KIND_DIELECTRIC);
             if (dielectric & active).any() {
-                sample = select_sample(dielectric, sample_out_of_line(&self.dielectric(), wo, u_lobe, u), sample);
+                sample = Sample::select(dielectric, sample_out_of_line(&self.dielectric(), wo, u_lobe, u), sample);
             }
             if plan.phong || plan.coated {
                 sample = self.sample_layered(wo, u_lobe, u, active, sample);
@@ -218,11 +218,11 @@ impl<R: Real> MaterialAt<R> {
     fn sample_layered(&self, wo: Vec3<R>, u_lobe: R, u: [R; 2], active: R::Mask, mut sample: Sample<R>) -> Sample<R> {
         let phong = self.is(KIND_PHONG);
         if (phong & active).any() {
-            sample = select_sample(phong, self.phong().sample(wo, u_lobe, u), sample);
+            sample = Sample::select(phong, self.phong().sample(wo, u_lobe, u), sample);
         }
         let coated = self.is(KIND_COATED);
         if (coated & active).any() {
-            sample = select_sample(coated, self.coated().sample(wo, u_lobe, u), sample);
+            sample = Sample::select(coated, self.coated().sample(wo, u_lobe, u), sample);
         }
         sample
     }
@@ -324,25 +324,15 @@ fn select_eval<R: Real>(mask: R::Mask, a: Eval<R>, b: Eval<R>) -> Eval<R> {
     Eval { value: Vec3::select(mask, a.value, b.value), pdf: R::select(mask, a.pdf, b.pdf) }
 }
 
-#[inline(always)]
-fn select_sample<R: Real>(mask: R::Mask, a: Sample<R>, b: Sample<R>) -> Sample<R> {
-    Sample {
-        wi: Vec3::select(mask, a.wi, b.wi),
-        weight: Vec3::select(mask, a.weight, b.weight),
-        pdf: R::select(mask, a.pdf, b.pdf),
-        eta: R::select(mask, a.eta, b.eta),
-        delta: (mask & a.delta) | (!mask & b.delta),
-        valid: (mask & a.valid) | (!mask & b.valid),
-    }
-}
-
 /// Which models a kernel is compiled with.
-pub trait ShadingKind: 'static {
+pub trait ShadingKind: Sync + 'static {
     const SHADING: Shading;
 }
 /// Lambert alone.
+#[derive(Default)]
 pub struct LambertOnly;
 /// All models.
+#[derive(Default)]
 pub struct AllModels;
 impl ShadingKind for LambertOnly {
     const SHADING: Shading = Shading::Lambert;

@@ -4,16 +4,18 @@
 //! instantiation out of [`select`]. Every instantiation is an entry there and nowhere else.
 
 mod camera;
-mod cutout;
+pub(crate) mod cutout;
 mod gather;
 mod illumination;
 mod maps;
 mod material;
+mod numbers;
 mod path;
 mod pattern;
 mod phong;
 mod probe;
 mod queue;
+mod shade;
 mod surface;
 mod texture;
 mod tile;
@@ -24,9 +26,15 @@ mod world;
 pub use camera::Camera;
 pub use gather::GatherReport;
 pub use illumination::{PixelPoint, Technique};
+pub(crate) use material::AllModels;
 pub use path::Traversal;
+pub(crate) use path::light_ray;
+pub(crate) use pattern::look_up as look_up_pattern;
 pub use probe::{Lanes, NoProbe, Probe, Record, Recorder, Stage};
+pub(crate) use shade::{Shade, scenes_light};
+pub use surface::Surface;
 pub use texture::TextureTable;
+pub(crate) use tile::CameraQueue;
 pub use tile::{Counters, Job, SampleBuffer};
 pub use world::{Prepare, Setup, World};
 
@@ -34,7 +42,7 @@ use crate::accel::{Brute, Packet, Shadow, Stream};
 use crate::lane::{f32x8, f32x16};
 use crate::plan::{GeometryMode, Shading};
 use crate::scene::IntegratorKind;
-use material::{AllModels, LambertOnly};
+use material::LambertOnly;
 
 /// Every primitive, no tree.
 pub struct BruteForce;
@@ -84,6 +92,37 @@ impl Width {
 pub type Kernel = fn(&World, &Job, &mut SampleBuffer, &mut Counters);
 /// A [`Kernel`] that records what it computes.
 pub type RecordingKernel = fn(&World, &Job, &mut SampleBuffer, &mut Counters, &mut Recorder);
+
+/// Renders a job by the path estimator with a program's own materials and lights: see [`select`], whose kernels know only
+/// the scene's.
+pub(crate) fn render_own<S: Shade>(
+    world: &World,
+    shade: &S,
+    width: Width,
+    job: &Job,
+    out: &mut SampleBuffer,
+    counters: &mut Counters,
+) {
+    match world.plan.geometry {
+        GeometryMode::Brute => own_width::<BruteForce, S>(world, shade, width, job, out, counters),
+        GeometryMode::Tree => own_width::<TreeTraversal, S>(world, shade, width, job, out, counters),
+    }
+}
+
+fn own_width<T: Traversal, S: Shade>(
+    world: &World,
+    shade: &S,
+    width: Width,
+    job: &Job,
+    out: &mut SampleBuffer,
+    counters: &mut Counters,
+) {
+    match width {
+        Width::One => wave::render::<f32, T, S, NoProbe>(world, shade, job, out, counters, &mut NoProbe),
+        Width::Eight => wave::render::<f32x8, T, S, NoProbe>(world, shade, job, out, counters, &mut NoProbe),
+        Width::Sixteen => wave::render::<f32x16, T, S, NoProbe>(world, shade, job, out, counters, &mut NoProbe),
+    }
+}
 
 /// Instantiates an estimator for the three widths.
 macro_rules! widths {
@@ -150,13 +189,13 @@ mod run {
     use crate::lane::{Bits, Real, Vec3};
 
     #[inline(never)]
-    pub fn path<R: Real, T: Traversal, S: ShadingKind>(
+    pub fn path<R: Real, T: Traversal, S: ShadingKind + Default>(
         world: &World,
         job: &Job,
         out: &mut SampleBuffer,
         counters: &mut Counters,
     ) {
-        super::wave::render::<R, T, S, NoProbe>(world, job, out, counters, &mut NoProbe)
+        super::wave::render::<R, T, S, NoProbe>(world, &S::default(), job, out, counters, &mut NoProbe)
     }
 
     #[inline(never)]
@@ -191,7 +230,7 @@ mod run {
         counters: &mut Counters,
         recorder: &mut Recorder,
     ) {
-        super::wave::render::<R, T, AllModels, Recorder>(world, job, out, counters, recorder)
+        super::wave::render::<R, T, AllModels, Recorder>(world, &AllModels, job, out, counters, recorder)
     }
 
     #[inline(never)]

@@ -5,9 +5,9 @@
 //! Every random number is a function of (seed, pixel, sample, dimension), and a path adds to its own slot: which lane it
 //! ran in leaves no trace.
 
-use super::material::ShadingKind;
 use super::pattern;
 use super::probe::{Lanes, Probe, Stage};
+use super::shade::Shade;
 use super::surface::Surface;
 use super::tile::SampleBuffer;
 use super::world::World;
@@ -85,8 +85,9 @@ pub(super) struct Direct<R: Real> {
 /// One vertex of every path, all of which hit something: adds what it emits, samples a light, and scatters; lanes that go
 /// on stay alive.
 #[inline(never)]
-pub(super) fn vertex<R: Real, S: ShadingKind, P: Probe>(
+pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
     world: &World,
+    shade: &S,
     paths: &mut Paths<R>,
     out: &mut SampleBuffer,
     probe: &mut P,
@@ -98,9 +99,9 @@ pub(super) fn vertex<R: Real, S: ShadingKind, P: Probe>(
         write_features(world, paths, &surface, alive, out);
     }
     if world.plan.area_lights {
-        add_emission(world, paths, &surface, out, probe);
+        add_emission(world, shade, paths, &surface, out, probe);
     }
-    let mut u = paths.rng.bounce_dims(world.sampler, paths.bounce);
+    let mut u = world.bounce_numbers(&mut paths.rng, paths.bounce);
     for x in &mut u {
         *x = probe.tap(Stage::Random, lanes, *x);
     }
@@ -119,10 +120,10 @@ pub(super) fn vertex<R: Real, S: ShadingKind, P: Probe>(
         paths.table = lights.table_at(surface.at.p, n);
     }
     let mut direct = None;
-    if world.lights.is_some() && scatters.any() {
-        direct = sample_direct::<R, S, P>(world, paths, &surface, &frame, wo, &u, scatters, probe);
+    if (world.lights.is_some() || S::OWN_LIGHT) && scatters.any() {
+        direct = sample_direct(world, shade, paths, &surface, &frame, wo, &u, scatters, probe);
     }
-    scatter::<R, S, P>(world, paths, &surface, &frame, wo, &u, scatters, probe);
+    scatter(world, shade, paths, &surface, &frame, wo, &u, scatters, probe);
     roulette(paths, u[ROULETTE], probe);
     direct
 }
@@ -151,8 +152,9 @@ pub(super) fn mis_weight<R: Real>(pdf: R, other: R) -> R {
 
 /// Radiance of an emitter that a ray ran into, from its front side.
 #[inline(always)]
-fn add_emission<R: Real, P: Probe>(
+fn add_emission<R: Real, S: Shade, P: Probe>(
     world: &World,
+    shade: &S,
     paths: &Paths<R>,
     surface: &Surface<R>,
     out: &mut SampleBuffer,
@@ -173,6 +175,7 @@ fn add_emission<R: Real, P: Probe>(
     if let Some(lights) = world.lights.as_ref().filter(|lights| lights.has_grid()) {
         pdf = pdf * lights.choice_ratio(paths.hit.primitive, paths.table, emitting);
     }
+    let pdf = shade.shared(world, pdf);
     let contribution = paths.beta.hadamard(surface.material.emission) * mis_weight(paths.bsdf_pdf, pdf);
     let contribution = probe.tap_rgb(Stage::Emission, paths.lanes(emitting), contribution);
     out.add(paths.slot, contribution, emitting);
@@ -181,8 +184,9 @@ fn add_emission<R: Real, P: Probe>(
 /// Next-event estimation: a point on a light or a direction to the environment, and its contribution if it is seen.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn sample_direct<R: Real, S: ShadingKind, P: Probe>(
+fn sample_direct<R: Real, S: Shade, P: Probe>(
     world: &World,
+    shade: &S,
     paths: &Paths<R>,
     surface: &Surface<R>,
     frame: &Frame<R>,
@@ -191,26 +195,21 @@ fn sample_direct<R: Real, S: ShadingKind, P: Probe>(
     scatters: R::Mask,
     probe: &mut P,
 ) -> Option<Direct<R>> {
-    let lit = scatters & !surface.material.is_delta::<S>();
+    let lit = scatters & !shade.is_delta(world, &paths.hit, surface);
     if lit.none() {
         return None;
     }
     let u_position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
-    let p = surface.at.p;
-    let mut light = if world.lights.as_ref().is_some_and(Lights::has_grid) {
-        world.sample_light_from(p, paths.table, u[LIGHT_CHOICE], u_position, lit)?
-    } else {
-        world.sample_light(p, u[LIGHT_CHOICE], u_position, lit)?
-    };
+    let mut light = shade.sample_light(world, surface.at.p, paths.table, u[LIGHT_CHOICE], u_position, lit)?;
     if world.plan.patterned_lights {
         pattern::look_up(world, &mut light, u_position, lit);
     }
     let wi = frame.to_local(light.wi);
     let pdf = probe.tap(Stage::LightPdf, paths.lanes(lit), light.pdf);
     let lit = lit & pdf.gt(R::zero()) & same_side(wi.z, surface.ng.dot(light.wi));
-    let eval = surface.material.eval::<S>(&world.plan, wo, wi, lit);
+    let eval = shade.eval(world, &paths.hit, surface, [wo, wi], lit);
     let mut weight = mis_weight(pdf, eval.pdf) / pdf;
-    if world.plan.delta_lights {
+    if world.plan.delta_lights || S::OWN_LIGHT {
         // Nothing else finds a light without extent.
         weight = R::select(light.is_delta(), pdf.recip(), weight);
     }
@@ -225,7 +224,7 @@ fn sample_direct<R: Real, S: ShadingKind, P: Probe>(
 
 /// The shadow ray of a light sample: to a point moved off its light, or to infinity.
 #[inline(always)]
-pub(super) fn light_ray<R: Real>(surface: &Surface<R>, light: &LightSample<R>) -> Ray<R> {
+pub(crate) fn light_ray<R: Real>(surface: &Surface<R>, light: &LightSample<R>) -> Ray<R> {
     let origin = surface.leave(light.wi);
     let to_point = shadow_ray(origin, &SurfacePoint { p: light.target, error: light.target_error }, light.ng);
     Ray {
@@ -238,8 +237,9 @@ pub(super) fn light_ray<R: Real>(surface: &Surface<R>, light: &LightSample<R>) -
 /// Samples the material and sends the path on, or ends it.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn scatter<R: Real, S: ShadingKind, P: Probe>(
+fn scatter<R: Real, S: Shade, P: Probe>(
     world: &World,
+    shade: &S,
     paths: &mut Paths<R>,
     surface: &Surface<R>,
     frame: &Frame<R>,
@@ -248,8 +248,8 @@ fn scatter<R: Real, S: ShadingKind, P: Probe>(
     scatters: R::Mask,
     probe: &mut P,
 ) {
-    let u_direction = [u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]];
-    let sample = surface.material.sample::<S>(&world.plan, wo, u[BSDF_LOBE], u_direction, scatters);
+    let numbers = [u[BSDF_LOBE], u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]];
+    let sample = shade.sample(world, &paths.hit, surface, wo, numbers, scatters);
     let direction = frame.to_world(sample.wi);
     let goes_on = scatters & sample.valid & same_side(sample.wi.z, surface.ng.dot(direction));
     let lanes = paths.lanes(goes_on);
@@ -264,7 +264,7 @@ fn scatter<R: Real, S: ShadingKind, P: Probe>(
     paths.bsdf_pdf = R::select(sample.delta, R::splat(f32::INFINITY), pdf);
     paths.eta_squared = paths.eta_squared * sample.eta * sample.eta;
     paths.alive = goes_on & paths.beta.max_component().gt(R::zero());
-    paths.ray = Ray { origin: surface.leave(direction), direction, t_max: R::splat(f32::INFINITY) };
+    paths.ray = surface.ray_towards(direction);
 }
 
 /// Russian roulette (Arvo & Kirk 1990): from the fifth scattering event on a path survives with probability

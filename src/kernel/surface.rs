@@ -122,6 +122,12 @@ impl<R: Real> Surface<R> {
         R::select(reflects, softened, R::one())
     }
 
+    /// The ray that leaves towards a unit direction.
+    #[inline(always)]
+    pub fn ray_towards(&self, direction: Vec3<R>) -> Ray<R> {
+        Ray { origin: self.leave(direction), direction, t_max: R::splat(f32::INFINITY) }
+    }
+
     /// The surface of one lane, in every lane.
     #[inline(always)]
     pub fn in_all_lanes(&self, lane: usize) -> Self {

@@ -167,7 +167,7 @@ impl<'a, R: Real> CameraQueue<'a, R> {
             let (px, py) = (job.x + self.pixel % job.width, job.y + self.pixel / job.width);
             let pixel = py * self.world.film.width + px;
             let sample = job.first_sample + self.sample;
-            rng.seed_lane(self.world.sampler, made, self.world.seed, pixel, sample);
+            self.world.seed_numbers(&mut rng, made, pixel, sample);
             x.set_lane(made, px as f32);
             y.set_lane(made, py as f32);
             slot.set_lane(made, self.pixel * job.samples + self.sample);
@@ -182,7 +182,7 @@ impl<'a, R: Real> CameraQueue<'a, R> {
             return None;
         }
         let lens = self.world.plan.lens;
-        let u = rng.camera_dims(self.world.sampler, lens);
+        let u = self.world.camera_numbers(&mut rng, lens);
         let (x, y) = (x + u[PIXEL], y + u[PIXEL + 1]);
         let camera = &self.world.camera;
         let ray = if lens { camera.lens_ray(x, y, [u[LENS], u[LENS + 1]]) } else { camera.ray(x, y) };

@@ -7,10 +7,10 @@
 //! any width.
 
 use super::cutout;
-use super::material::ShadingKind;
 use super::path::{self, Direct, Paths, Traversal, mis_weight};
 use super::probe::{Lanes, Probe, Stage};
 use super::queue::Queue;
+use super::shade::Shade;
 use super::tile::{CameraQueue, Counters, Job, SampleBuffer};
 use super::world::World;
 use crate::geometry::{Hit, Ray};
@@ -32,15 +32,16 @@ const MISSED: usize = 9;
 const SHADOW: usize = 12;
 
 /// Renders all samples of a job into `out`.
-pub fn render<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
+pub fn render<R: Real, T: Traversal, S: Shade, P: Probe>(
     world: &World,
+    shade: &S,
     job: &Job,
     out: &mut SampleBuffer,
     counters: &mut Counters,
     probe: &mut P,
 ) {
     let mut camera = CameraQueue::<R>::new(world, job);
-    let mut wave = Wave::<R, T, S, P>::new(world, POOL, out, counters, probe);
+    let mut wave = Wave::<R, T, S, P>::new(world, shade, POOL, out, counters, probe);
     wave.run(|counters| {
         let packet = camera.next_packet::<T::Camera>(true)?;
         counters.traced(true, packet.active);
@@ -51,6 +52,7 @@ pub fn render<R: Real, T: Traversal, S: ShadingKind, P: Probe>(
 /// See the module.
 pub(super) struct Wave<'a, R: Real, T, S, P> {
     world: &'a World,
+    shade: &'a S,
     out: &'a mut SampleBuffer,
     counters: &'a mut Counters,
     probe: &'a mut P,
@@ -64,13 +66,14 @@ pub(super) struct Wave<'a, R: Real, T, S, P> {
     shadows: Queue<R, SHADOW>,
     /// Slots and last bounces of paths that ended in this generation; only for a probe.
     ended: Vec<(u32, f32)>,
-    kinds: PhantomData<(T, S)>,
+    kinds: PhantomData<T>,
 }
 
-impl<'a, R: Real, T: Traversal, S: ShadingKind, P: Probe> Wave<'a, R, T, S, P> {
+impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
     /// Nothing on its way; room for `pool` paths, and one packet at least.
     pub fn new(
         world: &'a World,
+        shade: &'a S,
         pool: usize,
         out: &'a mut SampleBuffer,
         counters: &'a mut Counters,
@@ -81,6 +84,7 @@ impl<'a, R: Real, T: Traversal, S: ShadingKind, P: Probe> Wave<'a, R, T, S, P> {
         let room = pool + 2 * R::WIDTH;
         Wave {
             world,
+            shade,
             out,
             counters,
             probe,
@@ -167,7 +171,7 @@ impl<'a, R: Real, T: Traversal, S: ShadingKind, P: Probe> Wave<'a, R, T, S, P> {
     /// Rays left the scene.
     #[inline(always)]
     fn leave(&mut self, paths: &Paths<R>, missed: R::Mask) {
-        if self.world.plan.environment {
+        if self.world.plan.environment || S::OWN_LIGHT {
             let (d, b) = (paths.ray.direction, paths.beta);
             let slot = R::from_bits(paths.slot);
             self.missed.push(missed, &[d.x, d.y, d.z, b.x, b.y, b.z, paths.bsdf_pdf, slot, paths.bounce]);
@@ -184,12 +188,10 @@ impl<'a, R: Real, T: Traversal, S: ShadingKind, P: Probe> Wave<'a, R, T, S, P> {
     fn add_environment(&mut self) {
         let ([dx, dy, dz, bx, by, bz, bsdf_pdf, slot, bounce], active) = self.missed.pop();
         let lanes = Lanes { slot: slot.to_bits(), bounce, active };
-        if let Some(lights) = &self.world.lights {
-            let (radiance, pdf) = lights.environment(Vec3::new(dx, dy, dz));
-            let contribution = Vec3::new(bx, by, bz).hadamard(radiance) * mis_weight(bsdf_pdf, pdf);
-            let contribution = self.probe.tap_rgb(Stage::Emission, lanes, contribution);
-            self.out.add(lanes.slot, contribution, active);
-        }
+        let (radiance, pdf) = self.shade.escaped(self.world, Vec3::new(dx, dy, dz));
+        let contribution = Vec3::new(bx, by, bz).hadamard(radiance) * mis_weight(bsdf_pdf, pdf);
+        let contribution = self.probe.tap_rgb(Stage::Emission, lanes, contribution);
+        self.out.add(lanes.slot, contribution, active);
         if P::ACTIVE {
             self.note_ends(lanes);
         }
@@ -216,7 +218,7 @@ impl<'a, R: Real, T: Traversal, S: ShadingKind, P: Probe> Wave<'a, R, T, S, P> {
     fn shade(&mut self, mut paths: Paths<R>) {
         self.counters.shaded(paths.alive);
         let arrived = paths.alive;
-        if let Some(direct) = path::vertex::<R, S, P>(self.world, &mut paths, self.out, self.probe) {
+        if let Some(direct) = path::vertex(self.world, self.shade, &mut paths, self.out, self.probe) {
             self.counters.shadow(direct.carries);
             self.shadows.push(direct.carries, &pack_shadows(&direct, &paths));
         }

@@ -9,9 +9,11 @@ use crate::accel::{Accel, BuildOptions, BuildReport, Mode, Preset};
 use crate::geometry::{Hit, Ray, Rows, SphereAt, SphereRows, TriangleRows};
 use crate::lane::{Bits, Mask, Real, Vec3, float_mode};
 use crate::light::{Emitter, EmitterShape, Extent, LightError, LightSample, Lights, Receivers};
+use crate::own::Numbers;
 use crate::plan::{GeometryMode, Plan};
 use crate::sampling::SamplerKind;
 use crate::scene::{DeltaLight, FilmSize, Integrator, IntegratorKind, NO_NORMAL, NO_TEXCOORD, Scene};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Everything a kernel needs to render a scene.
@@ -24,6 +26,8 @@ pub struct World {
     pub max_bounces: f32,
     pub seed: u64,
     pub sampler: SamplerKind,
+    /// In place of the sampler's, where a program brings its own.
+    pub numbers: Option<Arc<dyn Numbers>>,
     pub accel: Accel,
     /// Vertex 0, edges, geometric normal of each triangle.
     pub triangles: TriangleRows,
@@ -114,6 +118,7 @@ impl World {
             max_bounces: max_bounces(&scene.integrator),
             seed: options.seed,
             sampler: sampler(&scene.integrator, options.sampler),
+            numbers: None,
             accel,
             triangles,
             tags,
@@ -135,6 +140,12 @@ impl World {
             world.gather = Some(tables);
         }
         Ok(world)
+    }
+
+    /// The same with random numbers of a program's own. A gather, whose points belong to the scene's method, keeps its own.
+    pub fn with_numbers(mut self, numbers: Arc<dyn Numbers>) -> World {
+        self.numbers = (self.integrator.kind != IntegratorKind::Gather).then_some(numbers);
+        self
     }
 
     /// The closest hits. One copy a width and mode, called: kernels stay small, and profiles tell traversal apart.

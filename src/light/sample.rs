@@ -62,7 +62,7 @@ impl<R: Real> LightSample<R> {
     }
 
     #[inline(always)]
-    pub(super) fn none() -> Self {
+    pub(crate) fn none() -> Self {
         Self {
             wi: Vec3::zero(),
             target: Vec3::zero(),
@@ -78,7 +78,7 @@ impl<R: Real> LightSample<R> {
 
     /// Without radiance and pdf where `active` does not hold or the pdf is 0.
     #[inline(always)]
-    pub(super) fn only(mut self, active: R::Mask) -> Self {
+    pub(crate) fn only(mut self, active: R::Mask) -> Self {
         let valid = active & self.pdf.gt(R::zero());
         self.pdf = self.pdf.masked(valid);
         self.radiance = self.radiance.masked(valid);
@@ -88,7 +88,7 @@ impl<R: Real> LightSample<R> {
     }
 
     #[inline(always)]
-    pub(super) fn select(mask: R::Mask, a: Self, b: Self) -> Self {
+    pub(crate) fn select(mask: R::Mask, a: Self, b: Self) -> Self {
         Self {
             wi: Vec3::select(mask, a.wi, b.wi),
             target: Vec3::select(mask, a.target, b.target),

@@ -14,7 +14,7 @@ pub use state::{State, StateError};
 pub use summary::{Summary, Times};
 
 use crate::film::{AovSample, Film, FilmChannels, TileFilm};
-use crate::kernel::{Counters, Job, Kernel, SampleBuffer, Width, World, select};
+use crate::kernel::{Counters, Job, SampleBuffer, Width, World, select};
 use crate::lane::float_mode;
 use crate::process::{allowed_cores, pin_to_core, seconds_since_process_start};
 use budget::Pacer;
@@ -108,8 +108,25 @@ pub fn empty_film(world: &World, options: &Options, first_block: u64) -> Film {
     Film::new(world.film.width, world.film.height, options.tile, channels, first_block)
 }
 
+/// What renders a job into a buffer that was [reset](SampleBuffer::reset) for it: one of [`select`]'s, or a program's own.
+pub type JobKernel<'a> = &'a (dyn Fn(&World, &Job, &mut SampleBuffer, &mut Counters) + Sync);
+
 /// Goes on with a film of this world (whose channels and tiles count, not the options'), as [`render`] would have.
 pub fn render_on(
+    film: Film,
+    world: &World,
+    options: &Options,
+    pool: &rayon::ThreadPool,
+    progress: &mut Progress,
+    watch: &mut dyn Watch,
+) -> Outcome {
+    render_by(&select(world, options.width), film, world, options, pool, progress, watch)
+}
+
+/// The same by a kernel of the caller's, which is called from many threads and must do for each job what it would do for
+/// it alone.
+pub fn render_by(
+    kernel: JobKernel,
     mut film: Film,
     world: &World,
     options: &Options,
@@ -117,7 +134,6 @@ pub fn render_on(
     progress: &mut Progress,
     watch: &mut dyn Watch,
 ) -> Outcome {
-    let kernel = select(world, options.width);
     let aovs = film.channels().has_aovs();
     let most = film.samples() + (budget::MAX_SAMPLES - film.next_sample());
     let samples = Some(options.budget.samples.unwrap_or(most).min(most));
@@ -158,7 +174,7 @@ pub fn render_on(
 /// One round over the film.
 struct Pass<'a> {
     world: &'a World,
-    kernel: Kernel,
+    kernel: JobKernel<'a>,
     first_sample: u64,
     samples: u64,
     aovs: bool,

@@ -65,6 +65,19 @@ impl<R: Real> Sampler<R> {
         }
     }
 
+    /// Starts a sample in `lane` whose numbers come from elsewhere: see [`Sampler::identity`].
+    #[inline]
+    pub(crate) fn name_lane(&mut self, lane: usize, pixel: u32, sample: u32) {
+        self.0.s[0].set_lane(lane, pixel);
+        self.0.s[1].set_lane(lane, sample);
+    }
+
+    /// The pixel and sample that [`Sampler::name_lane`] was given.
+    #[inline]
+    pub(crate) fn identity(&self, lane: usize) -> [u32; 2] {
+        [self.0.s[0].lane(lane), self.0.s[1].lane(lane)]
+    }
+
     /// The state, to be kept between bounces.
     #[inline(always)]
     pub fn words(&self) -> [R::Bits; 4] {

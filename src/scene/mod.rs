@@ -4,6 +4,7 @@
 //! scene's own unit, not yet rescaled (that happens when a scene is prepared for the kernel).
 
 mod bare_model;
+mod builder;
 mod domain;
 mod draft;
 mod environment;
@@ -29,11 +30,14 @@ mod toml_light;
 mod toml_material;
 mod toml_text;
 mod transform;
+mod validate;
 
+pub use builder::SceneBuilder;
 pub use error::SceneError;
 pub use gather::{Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherWeights};
 pub use load::load;
 pub use texture::{Channel, Image, Maps, Texels, Texture};
+pub use validate::InvalidScene;
 
 /// A validated scene. Every number in it is finite and inside its documented domain; every index is in range.
 #[derive(Clone, Debug)]

@@ -1,0 +1,65 @@
+//! Where a sample's random numbers come from: the world's sampler, or what a program brings in its place.
+
+use super::world::World;
+use crate::lane::Real;
+use crate::own::Numbers;
+use crate::sampling::dimensions::{BOUNCE, CAMERA, OPACITY};
+use crate::sampling::{ONE_BELOW, Sampler};
+
+impl World {
+    /// Starts sample `sample` of `pixel` in `lane`.
+    #[inline(always)]
+    pub(super) fn seed_numbers<R: Real>(&self, rng: &mut Sampler<R>, lane: usize, pixel: u32, sample: u32) {
+        match self.numbers {
+            None => rng.seed_lane(self.sampler, lane, self.seed, pixel, sample),
+            Some(_) => rng.name_lane(lane, pixel, sample),
+        }
+    }
+
+    /// See [`Sampler::camera_dims`].
+    #[inline(always)]
+    pub(super) fn camera_numbers<R: Real>(&self, rng: &mut Sampler<R>, lens: bool) -> [R; CAMERA] {
+        match &self.numbers {
+            None => rng.camera_dims(self.sampler, lens),
+            Some(own) => of_dimensions(&**own, rng, |_| 0),
+        }
+    }
+
+    /// See [`Sampler::bounce_dims`].
+    #[inline(always)]
+    pub(crate) fn bounce_numbers<R: Real>(&self, rng: &mut Sampler<R>, bounce: R) -> [R; BOUNCE] {
+        match &self.numbers {
+            None => rng.bounce_dims(self.sampler, bounce),
+            Some(own) => of_dimensions(&**own, rng, |lane| first_of_bounce(bounce.lane(lane))),
+        }
+    }
+
+    /// See [`Sampler::opacity`].
+    #[inline(always)]
+    pub(super) fn opacity_number<R: Real>(&self, rng: &Sampler<R>, bounce: R) -> R {
+        match &self.numbers {
+            None => rng.opacity(self.sampler, bounce),
+            Some(own) => {
+                let [u] = of_dimensions(&**own, rng, |lane| first_of_bounce(bounce.lane(lane)) + OPACITY as u32);
+                u
+            }
+        }
+    }
+}
+
+fn first_of_bounce(bounce: f32) -> u32 {
+    CAMERA as u32 + BOUNCE as u32 * bounce as u32
+}
+
+/// `N` numbers a lane from its dimension `first` on, held to [0, 1).
+#[inline(never)]
+fn of_dimensions<R: Real, const N: usize>(own: &dyn Numbers, rng: &Sampler<R>, first: impl Fn(usize) -> u32) -> [R; N] {
+    std::array::from_fn(|k| {
+        R::from_fn(|lane| {
+            let [pixel, sample] = rng.identity(lane);
+            let u = own.number(pixel, sample, first(lane) + k as u32);
+            // The order turns a NaN into 0.
+            if u > 0.0 { u.min(ONE_BELOW) } else { 0.0 }
+        })
+    })
+}
