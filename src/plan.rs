@@ -39,6 +39,65 @@ pub struct Decision {
     pub why: String,
 }
 
+/// A stage that may be kept where a scene does not need it, with the bits unchanged. Shading normals and the lens are
+/// none: where a scene has them their arithmetic rounds differently.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Feature {
+    /// Conductor and dielectric, and the kernel that holds all models.
+    Microfacets,
+    /// The Phong model.
+    Phong,
+    /// The coated model.
+    Coated,
+    /// Spheres among the primitives.
+    Spheres,
+    /// Light from outside.
+    Environment,
+    /// Emission at hits.
+    AreaLights,
+    /// Lights without extent.
+    DeltaLights,
+    /// Images that change how materials scatter or emit.
+    Textures,
+    /// Surfaces that rays may pass.
+    CutOuts,
+    /// Emitters that an image patterns.
+    PatternedLights,
+}
+
+impl Feature {
+    /// All of them.
+    pub const ALL: [Feature; 10] = [
+        Feature::Microfacets,
+        Feature::Phong,
+        Feature::Coated,
+        Feature::Spheres,
+        Feature::Environment,
+        Feature::AreaLights,
+        Feature::DeltaLights,
+        Feature::Textures,
+        Feature::CutOuts,
+        Feature::PatternedLights,
+    ];
+
+    /// As `--explain` has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Feature::Microfacets => "conductor and dielectric",
+            Feature::Phong => "phong",
+            Feature::Coated => "coated",
+            Feature::Spheres => "spheres",
+            Feature::Environment => "environment",
+            Feature::AreaLights => "area lights",
+            Feature::DeltaLights => "lights without extent",
+            Feature::Textures => "textures",
+            Feature::CutOuts => "cut-outs",
+            Feature::PatternedLights => "patterned lights",
+        }
+    }
+}
+
 /// What is forced instead of decided: for `check`, ablations and tests.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Force {
@@ -90,6 +149,14 @@ impl IntegratorKind {
 impl Plan {
     /// Decides for a scene. `albedo` says whether first-hit features are written too.
     pub fn new(scene: &Scene, force: Force, albedo: bool) -> Self {
+        Self::keeping(None, scene, force, albedo)
+    }
+
+    /// Decides for a scene, but keeps `feature`, needed or not.
+    pub fn keeping(feature: Option<Feature>, scene: &Scene, force: Force, albedo: bool) -> Self {
+        let on = |which: Feature| feature == Some(which);
+        // What the general kernel keeps.
+        let forced = |which: Feature| force.general || on(which);
         let light_transport = scene.integrator.kind.transports_light() || albedo || force.general;
         let primitives = scene.mesh.triangles.len() + scene.spheres.len();
         let mut decisions = Vec::new();
@@ -106,20 +173,20 @@ impl Plan {
 
         let used = used_materials(scene);
         let count = |is: fn(&Material) -> bool| used.iter().filter(|&&m| is(&scene.materials[m])).count();
-        let mut model = |what, is: fn(&Material) -> bool| {
+        let mut model = |which: Feature, is: fn(&Material) -> bool| {
             let wearing = count(is);
             let why = format!("{wearing} of {} used materials scatter so", used.len());
-            decide(what, light_transport && (wearing > 0 || force.general), why)
+            decide(which.name(), light_transport && (wearing > 0 || forced(which)), why)
         };
-        let microfacets = model("conductor and dielectric", |m| {
+        let microfacets = model(Feature::Microfacets, |m| {
             matches!(m.bsdf, Bsdf::Conductor { .. } | Bsdf::Dielectric { .. }) || m.maps.metallic.is_some()
         });
-        let phong = model("phong", |m| matches!(m.bsdf, Bsdf::Phong { .. }));
-        let coated = model("coated", |m| matches!(m.bsdf, Bsdf::Coated { .. }));
+        let phong = model(Feature::Phong, |m| matches!(m.bsdf, Bsdf::Phong { .. }));
+        let coated = model(Feature::Coated, |m| matches!(m.bsdf, Bsdf::Coated { .. }));
         let general = microfacets || phong || coated;
 
         let sphere_count = scene.spheres.len();
-        let spheres = decide("spheres", sphere_count > 0, format!("{sphere_count} spheres"));
+        let spheres = decide("spheres", sphere_count > 0 || on(Feature::Spheres), format!("{sphere_count} spheres"));
         let smooth = scene.mesh.normal_indices.iter().filter(|n| n[0] != NO_NORMAL).count();
         let shading_normals = decide(
             "shading normals",
@@ -131,10 +198,13 @@ impl Plan {
             Some(Environment::Constant(c)) => (c.iter().any(|&x| x > 0.0), format!("constant {c:?}")),
             Some(Environment::Image(i)) => (true, format!("{}×{} image", i.width, i.height)),
         };
-        let environment = decide("environment", lit && light_transport, why);
+        let environment = decide("environment", (lit || on(Feature::Environment)) && light_transport, why);
         let emitters = used.iter().filter(|&&m| scene.materials[m].emission.iter().any(|&e| e > 0.0)).count();
-        let area_lights =
-            decide("area lights", emitters > 0 && light_transport, format!("{emitters} used materials emit"));
+        let area_lights = decide(
+            "area lights",
+            (emitters > 0 || on(Feature::AreaLights)) && light_transport,
+            format!("{emitters} used materials emit"),
+        );
         let lamps = emitting_primitives(scene);
         let by_path = matches!(scene.integrator.kind, IntegratorKind::Path | IntegratorKind::Direct);
         let light_grid = decide(
@@ -144,23 +214,24 @@ impl Plan {
         );
         let shining = scene.delta_lights.iter().filter(|l| l.strength().iter().any(|&c| c > 0.0)).count();
         let why = format!("{shining} in the scene");
-        let delta_lights = decide("lights without extent", shining > 0 && light_transport, why);
+        let delta_lights =
+            decide("lights without extent", (shining > 0 || on(Feature::DeltaLights)) && light_transport, why);
         let radius = scene.camera.lens_radius;
         let lens = decide("lens", radius > 0.0, format!("its radius is {radius}"));
         let images = Images::of(scene, &used);
         let textures = decide(
             "textures",
-            light_transport && (images.shading > 0 || force.general),
+            light_transport && (images.shading > 0 || forced(Feature::Textures)),
             format!("{} of {} used materials have images", images.shading, used.len()),
         );
         let cutouts = decide(
             "cut-outs",
-            images.cut_out > 0 || force.general,
+            images.cut_out > 0 || forced(Feature::CutOuts),
             format!("{} used materials let rays pass", images.cut_out),
         );
         let patterned_lights = decide(
             "patterned lights",
-            area_lights && (images.patterned > 0 || force.general),
+            area_lights && (images.patterned > 0 || forced(Feature::PatternedLights)),
             format!("{} used materials emit unevenly", images.patterned),
         );
         let mapped = scene.mesh.texcoords.len();
@@ -198,6 +269,11 @@ impl Plan {
             posterior,
             decisions,
         }
+    }
+
+    /// Is a feature kept?
+    pub fn keeps(&self, feature: Feature) -> bool {
+        self.decisions.iter().any(|decision| decision.what == feature.name() && decision.kept)
     }
 
     /// The plan as a person reads it, one line a decision.

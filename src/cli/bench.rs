@@ -4,10 +4,15 @@ use super::CliError;
 use super::scene_args::{SceneArgs, parse_lanes};
 use crate::film::beside::write_beside;
 use crate::kernel::{Width, World};
-use crate::plan::Force;
+use crate::plan::{Feature, Force, GeometryMode, Plan};
+use crate::render::Phase;
+use crate::report::ablation::{AblationBench, bench_ablations};
 use crate::report::bench::{SceneBench, bench_scene};
 use crate::report::bench_rays::{BenchRaysArgs, bench_rays};
 use std::path::{Path, PathBuf};
+
+/// Past this many primitives an ablation does not try brute force.
+const MOST_FOR_BRUTE_FORCE: usize = 2000;
 
 #[derive(clap::Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
@@ -31,6 +36,13 @@ pub struct BenchArgs {
     /// Measure the general kernel
     #[arg(long)]
     general: bool,
+    /// Put each stage that this scene's plan leaves out back in, and take each other way to find geometry, one at a time:
+    /// what it costs, and whether the bits stay (at the first of --lanes and --threads)
+    #[arg(long, conflicts_with = "general")]
+    ablate: bool,
+    /// No progress
+    #[arg(long)]
+    quiet: bool,
     /// Write JSON; `-` is standard output
     #[arg(long, value_name = "FILE|-")]
     json: Option<PathBuf>,
@@ -56,7 +68,12 @@ pub fn run(args: &BenchArgs) -> Result<bool, CliError> {
     let Some(scene_args) = &args.scene else {
         return Err(CliError::Usage("bench what? give a scene, or `bench rays DATA/NAME`".into()));
     };
-    let (scene, world, _): (_, World, _) = scene_args.world(Force { general: args.general, geometry: None }, false)?;
+    if args.ablate {
+        return ablate(args, scene_args);
+    }
+    let force = Force { general: args.general, geometry: None };
+    let (scene, world, _): (_, World, _) = scene_args.world(force, false, args.quiet)?;
+    let _phase = Phase::begin("measuring", args.quiet);
     let lanes = if args.lanes.is_empty() { vec![Width::native()] } else { args.lanes.clone() };
     let bench = SceneBench {
         name: scene.name,
@@ -68,6 +85,49 @@ pub fn run(args: &BenchArgs) -> Result<bool, CliError> {
     let report = bench_scene(&world, &bench)?;
     print_report(&report, args.json.as_deref())?;
     Ok(true)
+}
+
+/// Every world that differs from the planned one in one decision, against it.
+fn ablate(args: &BenchArgs, scene_args: &SceneArgs) -> Result<bool, CliError> {
+    let phase = Phase::begin("reading the scene", args.quiet);
+    let scene = scene_args.load()?;
+    drop(phase);
+    let phase = Phase::begin("building trees and tables", args.quiet);
+    let prepare = |plan| scene_args.prepare_plan(&scene, plan);
+    let planned = prepare(Plan::new(&scene, Force::default(), false))?;
+    let mut others = Vec::new();
+    for feature in Feature::ALL.into_iter().filter(|&feature| !planned.plan.keeps(feature)) {
+        let plan = Plan::keeping(Some(feature), &scene, Force::default(), false);
+        if plan.keeps(feature) {
+            others.push((feature.name().to_string(), prepare(plan)?));
+        }
+    }
+    let primitives = scene.mesh.triangles.len() + scene.spheres.len();
+    let other_mode = match planned.plan.geometry {
+        GeometryMode::Brute => Some((GeometryMode::Tree, "a tree")),
+        GeometryMode::Tree if primitives <= MOST_FOR_BRUTE_FORCE => Some((GeometryMode::Brute, "brute force, no tree")),
+        GeometryMode::Tree => None,
+    };
+    if let Some((mode, name)) = other_mode {
+        let force = Force { geometry: Some(mode), ..Force::default() };
+        others.push((name.to_string(), prepare(Plan::new(&scene, force, false))?));
+    }
+    others.push(("everything (--general)".into(), {
+        prepare(Plan::new(&scene, Force { general: true, geometry: None }, false))?
+    }));
+    drop(phase);
+    let phase = Phase::begin("measuring", args.quiet);
+    let bench = AblationBench {
+        name: scene.name.clone(),
+        lanes: args.lanes.first().copied().unwrap_or(Width::native()),
+        threads: args.threads.first().copied().unwrap_or(1),
+        windows: args.windows,
+        seconds: args.seconds,
+    };
+    let report = bench_ablations(&planned, &others, &bench)?;
+    drop(phase);
+    print_report(&report, args.json.as_deref())?;
+    Ok(report.rows.iter().all(|row| row.same_bits))
 }
 
 /// For a person, or as JSON to a file or standard output.

@@ -6,6 +6,7 @@ use super::scene_args::SceneArgs;
 use crate::check::{Difference, ImageCase, StageReport, compare_images, compare_stages};
 use crate::kernel::{Stage, Width, World};
 use crate::plan::{BRUTE_FORCE_LIMIT, Force, GeometryMode};
+use crate::render::Phase;
 
 /// Past this many primitives the tree is not compared with brute force: it would take too long.
 const BRUTE_FORCE_CHECK_LIMIT: usize = 20_000;
@@ -27,6 +28,9 @@ pub struct CheckArgs {
     /// Write the result as JSON to standard output
     #[arg(long)]
     json: bool,
+    /// No progress
+    #[arg(long)]
+    quiet: bool,
 }
 
 fn parse_stage(text: &str) -> Result<Stage, String> {
@@ -46,10 +50,13 @@ struct Report {
 
 pub fn run(args: &CheckArgs) -> Result<bool, CliError> {
     let Some(scene_args) = &args.scene else { return check_numerics::run(&args.numerics, args.json) };
+    let phase = Phase::begin("reading the scene", args.quiet);
     let scene = scene_args.load()?;
+    drop(phase);
     let primitives = scene.mesh.triangles.len() + scene.spheres.len();
     let world = |force: Force| scene_args.prepare(&scene, force, false);
     let geometry = |mode| Force { general: true, geometry: Some(mode) };
+    let phase = Phase::begin("building trees and tables", args.quiet);
     let general = world(geometry(GeometryMode::Tree))?;
     let planned = world(Force::default())?;
     let mut worlds: Vec<(&str, &World)> = vec![("general", &general), ("specialised", &planned)];
@@ -57,6 +64,8 @@ pub fn run(args: &CheckArgs) -> Result<bool, CliError> {
     if let Some(brute) = &brute {
         worlds.push(("brute force", brute));
     }
+    drop(phase);
+    let phase = Phase::begin("comparing every value of every path", args.quiet);
     let mut stages = Vec::new();
     let all = Width::ALL;
     stages.push(("tree, widths".into(), compare_stages(&general, &general, &all, args.spp, args.inject_fault)));
@@ -64,11 +73,14 @@ pub fn run(args: &CheckArgs) -> Result<bool, CliError> {
         let widths = [Width::Sixteen];
         stages.push(("brute force against tree".into(), compare_stages(&general, brute, &widths, args.spp, None)));
     }
+    drop(phase);
+    let phase = Phase::begin("comparing images", args.quiet);
     let images = match args.inject_fault {
         // A fault lives in the recording kernels; images would not show it.
         Some(_) => Vec::new(),
         None => compare_images(&worlds, args.spp as u64, &all)?,
     };
+    drop(phase);
     let equal = stages.iter().all(|(_, s)| s.first.is_none()) && images.iter().all(|c| c.difference.is_none());
     let report = Report { scene: scene.name.clone(), samples_per_pixel: args.spp, images, stages, equal };
     if args.json {

@@ -5,7 +5,7 @@ use super::scene_args::SceneArgs;
 use super::targets::{check_folders, write_json};
 use crate::kernel::{Setup, World};
 use crate::plan::{Force, Plan};
-use crate::scene::{Environment, NO_NORMAL, Scene};
+use crate::scene::{Environment, Image, NO_NORMAL, Scene};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -16,6 +16,9 @@ pub struct InfoArgs {
     /// As JSON; `-` writes it to standard output
     #[arg(long, value_name = "FILE|-")]
     json: Option<PathBuf>,
+    /// No progress
+    #[arg(long)]
+    quiet: bool,
 }
 
 /// What a scene holds.
@@ -33,6 +36,7 @@ struct Info {
     /// Corners of the box around all primitives, in the scene's unit; none in an empty scene.
     bounds: Option<[[f32; 3]; 2]>,
     materials: Vec<MaterialInfo>,
+    textures: Vec<TextureInfo>,
     lights: LightInfo,
     memory: Memory,
     seconds: Seconds,
@@ -45,6 +49,17 @@ struct MaterialInfo {
     model: String,
     emits: bool,
     primitives: usize,
+}
+
+/// An image, and which materials wear it as what.
+#[derive(serde::Serialize)]
+struct TextureInfo {
+    file: String,
+    width: u32,
+    height: u32,
+    channels: usize,
+    bytes: usize,
+    worn_as: Vec<String>,
 }
 
 #[derive(serde::Serialize)]
@@ -72,7 +87,7 @@ struct Seconds {
 
 pub fn run(args: &InfoArgs) -> Result<bool, CliError> {
     check_folders(args.json.as_deref().filter(|path| *path != Path::new("-")))?;
-    let (scene, world, times) = args.scene.world(Force::default(), false)?;
+    let (scene, world, times) = args.scene.world(Force::default(), false, args.quiet)?;
     let info = Info::new(&scene, &world, Seconds { load: times.load, setup: times.setup });
     match &args.json {
         Some(path) => write_json(&info, Some(path))?,
@@ -121,6 +136,7 @@ impl Info {
             spheres: scene.spheres.len(),
             bounds: bounds(scene),
             materials,
+            textures: textures(scene),
             lights,
             memory: Memory {
                 tree_bytes: tree.node_bytes + tree.block_bytes,
@@ -134,6 +150,25 @@ impl Info {
             plan: world.plan.clone(),
         }
     }
+}
+
+/// Each image once, in the order of the materials.
+fn textures(scene: &Scene) -> Vec<TextureInfo> {
+    let mut images: Vec<(*const Image, TextureInfo)> = Vec::new();
+    for material in &scene.materials {
+        for (role, texture) in material.maps.named() {
+            let (image, use_) = (&*texture.image, format!("{role} of {}", material.name));
+            match images.iter_mut().find(|(known, _)| std::ptr::eq(*known, image)) {
+                Some((_, info)) => info.worn_as.push(use_),
+                None => {
+                    let &Image { width, height, channels, .. } = image;
+                    let (file, bytes) = (texture.file.0.clone(), image.memory());
+                    images.push((image, TextureInfo { file, width, height, channels, bytes, worn_as: vec![use_] }));
+                }
+            }
+        }
+    }
+    images.into_iter().map(|(_, info)| info).collect()
 }
 
 /// The name of a variant from its `Debug` text.
@@ -172,6 +207,13 @@ impl fmt::Display for Info {
         for MaterialInfo { name, model, emits, primitives } in &self.materials {
             let emits = if *emits { ", emits" } else { "" };
             writeln!(f, "  {name:24} {model}{emits}, on {primitives} primitives")?;
+        }
+        if !self.textures.is_empty() {
+            writeln!(f, "textures: {}", self.textures.len())?;
+        }
+        for TextureInfo { file, width, height, channels, bytes, worn_as } in &self.textures {
+            let kilo = *bytes as f64 / 1e3;
+            writeln!(f, "  {file}: {width} × {height}, {channels} channels, {kilo:.1} kB; {}", worn_as.join(", "))?;
         }
         let mega = |bytes: u64| bytes as f64 / 1e6;
         let Memory { tree_bytes, list_bytes, row_bytes, peak_bytes, film_bytes } = self.memory;

@@ -2,7 +2,7 @@
 
 use super::CliError;
 use super::targets::{Facts, ImageArgs, check_folders};
-use crate::render::{self, State};
+use crate::render::{self, Phase, State};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -25,13 +25,17 @@ pub fn run(args: &MergeArgs) -> Result<bool, CliError> {
         return Err(CliError::Usage("nothing to write: give -o OUT.exr, --png OUT.png or --state OUT.state".into()));
     }
     check_folders(args.images.files().chain(args.state.as_deref()))?;
+    let phase = Phase::begin("reading states", args.quiet);
     let mut parts = args.parts.iter().map(PathBuf::as_path);
     let mut load = || parts.next().map(|path| Ok::<_, CliError>((path, State::load(path)?))).transpose();
     let Some((_, mut whole)) = load()? else { return Ok(true) };
     while let Some((path, part)) = load()? {
         whole.merge(part, path)?;
     }
+    drop(phase);
+    let phase = Phase::begin("writing", args.quiet);
     write(args, &whole)?;
+    drop(phase);
     if !args.quiet {
         let (samples, parts) = (whole.film.samples(), args.parts.len());
         let error = whole.film.relative_error().map_or(String::new(), |e| format!(", relative error {e:.5}"));

@@ -70,16 +70,7 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
 impl RenderArgs {
     pub(super) fn world(&self) -> Result<(Scene, World, Times), CliError> {
         let force = Force { general: self.general, geometry: None };
-        let timed = |start: Instant| start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let phase = Phase::begin("reading the scene", self.quiet);
-        let scene = self.scene.load()?;
-        let load = timed(start);
-        drop(phase);
-        let start = Instant::now();
-        let _phase = Phase::begin("building the tree and tables", self.quiet);
-        let world = self.scene.prepare(&scene, force, self.aovs)?;
-        Ok((scene, world, Times { load, setup: timed(start), pilot: 0.0 }))
+        self.scene.world(force, self.aovs, self.quiet)
     }
 
     pub(super) fn options(&self, world: &World, budget: Budget, output_seconds: f64) -> Options {
@@ -110,6 +101,7 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     args.ladder.check(&world)?;
     let (head, film) = args.state.begin(&scene, &world, &options)?;
     if args.unbiased {
+        let _phase = Phase::begin("rendering the pilot", args.quiet);
         times.pilot = choose_samples(&mut world, &mut options, &pool);
     }
     let mut progress = if args.quiet { Progress::quiet() } else { Progress::new(options.budget) };
@@ -129,7 +121,9 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
         return Ok(true);
     }
     let start = Instant::now();
+    let phase = Phase::begin("writing", args.quiet);
     keeper.finish(&outcome)?;
+    drop(phase);
     summary.finish(start.elapsed().as_secs_f64());
     write_json(&summary, args.json.as_deref())?;
     if !args.quiet {

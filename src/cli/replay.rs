@@ -32,7 +32,7 @@ pub fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
 }
 
 pub fn run(args: &ReplayArgs) -> Result<bool, CliError> {
-    let (scene, world, _) = args.scene.world(Force::default(), false)?;
+    let (scene, world, _) = args.scene.world(Force::default(), false, true)?;
     let (x, y) = args.pixel;
     let film = world.film;
     if x >= film.width || y >= film.height {

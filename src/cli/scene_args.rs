@@ -4,7 +4,7 @@ use super::CliError;
 use crate::accel::Preset;
 use crate::kernel::{Prepare, Width, World};
 use crate::plan::{Force, Plan};
-use crate::render::{self, Times};
+use crate::render::{self, Phase, Times};
 use crate::sampling::SamplerKind;
 use crate::scene::{FilmSize, Scene};
 use std::path::PathBuf;
@@ -63,19 +63,26 @@ impl SceneArgs {
         Ok(scene)
     }
 
-    /// Loads, plans and prepares.
-    pub fn world(&self, force: Force, albedo: bool) -> Result<(Scene, World, Times), CliError> {
+    /// Loads, plans and prepares, and says so where that takes long and is not `quiet`.
+    pub fn world(&self, force: Force, albedo: bool, quiet: bool) -> Result<(Scene, World, Times), CliError> {
         let start = Instant::now();
+        let phase = Phase::begin("reading the scene", quiet);
         let scene = self.load()?;
         let load = start.elapsed().as_secs_f64();
+        drop(phase);
         let start = Instant::now();
+        let _phase = Phase::begin("building the tree and tables", quiet);
         let world = self.prepare(&scene, force, albedo)?;
         Ok((scene, world, Times { load, setup: start.elapsed().as_secs_f64(), pilot: 0.0 }))
     }
 
     pub fn prepare(&self, scene: &Scene, force: Force, albedo: bool) -> Result<World, CliError> {
+        self.prepare_plan(scene, Plan::new(scene, force, albedo))
+    }
+
+    pub fn prepare_plan(&self, scene: &Scene, plan: Plan) -> Result<World, CliError> {
         let options = Prepare { seed: self.seed, sampler: self.sampler, build: self.build };
-        Ok(World::new(scene, Plan::new(scene, force, albedo), options)?)
+        Ok(World::new(scene, plan, options)?)
     }
 }
 

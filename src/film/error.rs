@@ -24,8 +24,10 @@ impl FilmError {
 /// Two films, or two tiles, do not fit together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MergeError {
-    #[error("the films differ in size, tiles or channels")]
+    #[error("the films differ in size or channels")]
     Shape,
+    #[error("its tiles are of another size and stand at different samples: resume it to the end of a pass first")]
+    Tiles,
     #[error("both hold the block of samples that starts at {first_sample}")]
     Overlap { first_sample: u64 },
     #[error("a range that ends inside a block of 64 must be the last: block of sample {first_sample} is unfinished")]

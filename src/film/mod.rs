@@ -18,6 +18,7 @@ pub mod exr_write;
 pub mod metadata;
 pub mod pixel;
 pub mod png;
+mod retile;
 pub mod sheet;
 pub mod slot;
 pub mod tile;

@@ -72,8 +72,12 @@ impl Film {
 
     /// Sums of the pixel in column `x < width`, row `y < height`.
     pub fn pixel(&self, x: u32, y: u32) -> PixelSums {
-        let tile = (y / self.tile) as usize * self.tiles_across as usize + (x / self.tile) as usize;
-        self.tiles[tile].pixel(x, y)
+        self.tile_at(x, y).pixel(x, y)
+    }
+
+    /// The tile of a pixel.
+    pub(super) fn tile_at(&self, x: u32, y: u32) -> &TileFilm {
+        &self.tiles[(y / self.tile) as usize * self.tiles_across as usize + (x / self.tile) as usize]
     }
 
     /// See [`PixelSums::mean`].
@@ -128,12 +132,13 @@ impl Film {
     /// Takes over samples of the same image that were rendered elsewhere, bit for bit as if rendered here.
     ///
     /// # Errors
-    /// The films differ in size, tile size or channels, or some tile cannot be merged ([`TileFilm::merge`]; tiles
+    /// The films differ in size or channels, tiles of another size stand at different samples, or some tile cannot be merged ([`TileFilm::merge`]; tiles
     /// before it are then merged already, so the film is to be thrown away).
     pub fn merge(&mut self, other: Self) -> Result<(), MergeError> {
-        if (self.width, self.height, self.tile) != (other.width, other.height, other.tile) {
+        if (self.width, self.height) != (other.width, other.height) {
             return Err(MergeError::Shape);
         }
+        let other = if other.tile == self.tile { other } else { other.retiled(self.tile).ok_or(MergeError::Tiles)? };
         self.tiles.iter_mut().zip(other.tiles).try_for_each(|(tile, theirs)| tile.merge(theirs))
     }
 }

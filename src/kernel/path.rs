@@ -14,7 +14,7 @@ use super::world::World;
 use crate::accel::Mode;
 use crate::geometry::{Hit, Ray, SurfacePoint, shadow_ray};
 use crate::lane::{Bits, Mask, Real, Vec3};
-use crate::light::{LightSample, Lights, sphere_pdf, triangle_pdf};
+use crate::light::{LightSample, sphere_pdf, triangle_pdf};
 use crate::sampling::dimensions::*;
 use crate::sampling::{Frame, Sampler};
 

@@ -55,7 +55,7 @@ pub trait Shade: Sync {
         &self,
         world: &World,
         p: Vec3<R>,
-        table: R,
+        table: R::Bits,
         u_choice: R,
         u: [R; 2],
         active: R::Mask,
@@ -82,7 +82,7 @@ pub trait Shade: Sync {
 pub(crate) fn scenes_light<R: Real>(
     world: &World,
     p: Vec3<R>,
-    table: R,
+    table: R::Bits,
     u_choice: R,
     u: [R; 2],
     active: R::Mask,

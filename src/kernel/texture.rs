@@ -153,7 +153,7 @@ fn row(material: &Material, entries: &mut Vec<Entry>) -> [f32; 16] {
 
 impl Entry {
     fn new(texture: &Texture) -> Self {
-        let Texture { image, srgb, channel, scale, offset } = texture;
+        let Texture { image, srgb, channel, scale, offset, file: _ } = texture;
         let is_grey = image.channels < 3;
         let weights = match channel {
             Channel::Mean if is_grey => [1.0, 0.0, 0.0, 0.0],

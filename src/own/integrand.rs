@@ -35,7 +35,7 @@ use crate::sampling::{Frame, Sampler};
 /// let grey = scene.material(scene::Bsdf::Diffuse { reflectance: [0.5; 3] });
 /// scene.sphere([0.0; 3], 1.0, grey);
 /// let film = Renderer::new(4).integrate(&scene.build()?, &Openness)?;
-/// assert_eq!(film.pixel(4, 4).mean(), [1.0; 3]); // a ball hides nothing of itself
+/// assert_eq!(film.mean(4, 4), [1.0; 3]); // a ball hides nothing of itself
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Integrand: Sync {

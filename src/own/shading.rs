@@ -165,7 +165,7 @@ impl<B: Bsdf, L: Light> Shade for Own<B, L> {
         &self,
         world: &World,
         p: Vec3<R>,
-        table: R,
+        table: R::Bits,
         u_choice: R,
         u: [R; 2],
         active: R::Mask,

@@ -1,5 +1,6 @@
 //! Paths per second on a scene: settings interleaved window by window, threads pinned, medians.
 
+use crate::film::Film;
 use crate::kernel::{Counters, Width, World};
 use crate::render::{self, Budget, Options, Progress};
 use std::fmt;
@@ -50,23 +51,23 @@ pub fn bench_scene(world: &World, bench: &SceneBench) -> Result<SceneBenchReport
         run.calibrate(bench.seconds);
     }
     for _ in 0..bench.windows {
-        runs.iter_mut().for_each(Run::window);
+        runs.iter_mut().for_each(|run| drop(run.window()));
     }
     let settings = runs.into_iter().map(Run::report).collect();
     Ok(SceneBenchReport { scene: bench.name.clone(), cpu_features: crate::cpu::compiled_features(), settings })
 }
 
-struct Run<'a> {
+pub(super) struct Run<'a> {
     world: &'a World,
     options: Options,
     threads: usize,
     pool: std::sync::Arc<rayon::ThreadPool>,
-    rates: Vec<f64>,
+    pub(super) rates: Vec<f64>,
     counters: Counters,
 }
 
 impl<'a> Run<'a> {
-    fn new(world: &'a World, width: Width, threads: usize, pool: std::sync::Arc<rayon::ThreadPool>) -> Self {
+    pub(super) fn new(world: &'a World, width: Width, threads: usize, pool: std::sync::Arc<rayon::ThreadPool>) -> Self {
         let tile = render::default_tile(world.film.width, world.film.height);
         let budget = Budget { samples: Some(1), ..Budget::default() };
         let options = Options { budget, width, tile, aovs: false, output_seconds: 0.0 };
@@ -74,10 +75,10 @@ impl<'a> Run<'a> {
     }
 
     /// Doubles the samples of a window until it lasts long enough; this also warms up.
-    fn calibrate(&mut self, seconds: f64) {
+    pub(super) fn calibrate(&mut self, seconds: f64) {
         loop {
             let outcome = render::render(self.world, &self.options, &self.pool, &mut Progress::quiet());
-            let samples = self.options.budget.samples.unwrap_or(1);
+            let samples = self.samples();
             if outcome.render_seconds >= seconds || samples >= 1 << 20 {
                 return;
             }
@@ -85,10 +86,22 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn window(&mut self) {
+    /// Samples a pixel in a window.
+    pub(super) fn samples(&self) -> u64 {
+        self.options.budget.samples.unwrap_or(1)
+    }
+
+    /// Renders so many samples from now on.
+    pub(super) fn set_samples(&mut self, samples: u64) {
+        self.options.budget.samples = Some(samples);
+    }
+
+    /// Measures one window.
+    pub(super) fn window(&mut self) -> Film {
         let outcome = render::render(self.world, &self.options, &self.pool, &mut Progress::quiet());
         self.rates.push(outcome.counters.camera_rays as f64 / outcome.render_seconds / 1e6);
         self.counters = outcome.counters;
+        outcome.film
     }
 
     fn report(mut self) -> Setting {

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use crate::film::beside::write_beside;
 use crate::film::{ExrImage, FilmError, read_exr};
+use crate::render::Phase;
 
 use super::diff::write_diff;
 use super::metrics::{self, compare};
@@ -28,6 +29,9 @@ pub struct CompareArgs {
     /// Write a PNG of the relative difference: red where A is brighter, blue where darker, black where equal
     #[arg(long, value_name = "FILE.png")]
     pub diff: Option<PathBuf>,
+    /// No progress
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 /// Why two images could not be compared.
@@ -49,7 +53,10 @@ pub enum CompareError {
 /// # Errors
 /// A file cannot be read or written, or the sizes differ.
 pub fn run(args: &CompareArgs) -> Result<Comparison, CompareError> {
+    let phase = Phase::begin("reading the images", args.quiet);
     let (a, b) = (read_exr(&args.a)?, read_exr(&args.b)?);
+    drop(phase);
+    let _phase = Phase::begin("comparing", args.quiet);
     let names = (args.a.to_string_lossy(), args.b.to_string_lossy());
     let mut comparison = compare(&a, &b, (&names.0, &names.1)).ok_or_else(|| CompareError::Sizes {
         a: args.a.clone(),

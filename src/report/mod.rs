@@ -1,5 +1,6 @@
 //! What is said about images once they exist: error metrics and comparisons.
 
+pub mod ablation;
 pub mod bench;
 pub mod bench_rays;
 pub mod compare;

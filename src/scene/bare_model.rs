@@ -6,8 +6,9 @@ use super::mesh_file::add_obj;
 use super::notes::Notes;
 use super::surroundings::Surroundings;
 use super::toml_file::DEFAULT_FILM;
-use super::{Camera, Environment, Integrator, Material, Mesh, Scene, Sphere};
+use super::{Camera, Environment, Integrator, Material, Mesh, Scene};
 use glam::DVec3;
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// Full vertical field of view outside a model, in degrees.
@@ -22,6 +23,13 @@ const MARGIN: f64 = 1.05;
 const ROUNDING: f64 = 0.02;
 /// Eye height as a fraction of a room's: about 1.6 m under a ceiling at 2.6 m.
 const EYE_HEIGHT: f64 = 0.6;
+/// Side of the panel that lights a room, as a fraction of the room's.
+const PANEL_SIDE: f64 = 0.5;
+/// From the ceiling to the panel, as a fraction of the room's height.
+const PANEL_GAP: f64 = 0.01;
+/// What the panel gives the middle of the room: two thirds of what a constant environment of radiance 1 does, as walls
+/// reflect some more.
+const PANEL_IRRADIANCE: f64 = 0.67 * PI;
 /// How far back from the middle towards the wall the camera stands in a room.
 const STEP_BACK: f64 = 0.8;
 
@@ -39,16 +47,10 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
         SceneError::whole(file, message, "place it near the origin, at a moderate scale")
     };
     let camera = view.camera().ok_or_else(lost)?;
-    let mut spheres = Vec::new();
     let mut environment = None;
     if !materials.iter().any(Material::emits) {
         if is_room {
-            let (lamp, material) = lamp(&around, &view, materials.len() as u32, notes);
-            if !(lamp.radius > 0.0 && material.emission[0].is_finite()) {
-                return Err(lost());
-            }
-            spheres.push(lamp);
-            materials.push(material);
+            Panel::of(&around, &view, notes).add(&mut mesh, &mut materials).ok_or_else(lost)?;
         } else {
             notes.assume("nothing emits: a constant environment of radiance 1 lights the model".to_owned());
             environment = Some(Environment::Constant([1.0; 3]));
@@ -62,7 +64,7 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
         environment,
         delta_lights: Vec::new(),
         mesh,
-        spheres,
+        spheres: Vec::new(),
         materials,
         assumptions: Vec::new(),
     })
@@ -82,7 +84,7 @@ fn outside(around: &Surroundings, notes: &mut Notes) -> View {
     // A model of no extent is a point, seen from anywhere.
     let distance = if distance > 0.0 { distance } else { 1.0 };
     notes.assume(format!("the camera frames the bounding box from outside: +y is up, vfov {OUTSIDE_VFOV}"));
-    View { position: around.center() + backward * distance, look_at: around.center(), vfov: OUTSIDE_VFOV, behind: 0.0 }
+    View { position: around.center() + backward * distance, look_at: around.center(), vfov: OUTSIDE_VFOV }
 }
 
 /// Inside a room, back from the middle along its longest horizontal axis.
@@ -100,30 +102,63 @@ fn inside(around: &Surroundings, notes: &mut Notes) -> View {
          +y is up, vfov {INSIDE_VFOV}",
         EYE_HEIGHT * 100.0
     ));
-    View {
-        position: middle + back * (behind * STEP_BACK),
-        look_at: middle,
-        vfov: INSIDE_VFOV,
-        behind: behind * (1.0 - STEP_BACK),
+    View { position: middle + back * (behind * STEP_BACK), look_at: middle, vfov: INSIDE_VFOV }
+}
+
+/// A panel below the ceiling that lights the room from above: so large that its radiance is low, for a small lamp is mirrored
+/// as a burnt spot, and what gloss throws of it onto matt walls is noise that takes thousands of samples.
+struct Panel {
+    low: DVec3,
+    high: DVec3,
+    radiance: f64,
+}
+
+impl Panel {
+    fn of(around: &Surroundings, view: &View, notes: &mut Notes) -> Self {
+        let (center, size) = (around.center(), around.size());
+        let half = DVec3::new(size.x, 0.0, size.z) * (0.5 * PANEL_SIDE);
+        let eye = view.look_at.y;
+        let top = center.y + 0.5 * size.y;
+        let over = |x: f64, z: f64| {
+            let from = DVec3::new(center.x + x * half.x, eye, center.z + z * half.z);
+            around.nearest(from, DVec3::Y).map_or(top, |hit| eye + hit.t)
+        };
+        let corners = [-1.0, 0.0, 1.0].map(|x| [-1.0, 0.0, 1.0].map(|z| over(x, z)));
+        let ceiling = corners.into_iter().flatten().fold(top, f64::min);
+        // Whatever hangs from the ceiling, the panel stays above the eye.
+        let height = (ceiling - PANEL_GAP * size.y).max(0.5 * (eye + top));
+        let middle = DVec3::new(center.x, height, center.z);
+        let radiance = PANEL_IRRADIANCE / (PI * rectangle_form_factor(half.x, half.z, height - eye));
+        notes.assume(format!(
+            "nothing emits: a panel below the ceiling, {:.3} by {:.3}, radiance {radiance:.3}, lights the room",
+            2.0 * half.x,
+            2.0 * half.z
+        ));
+        Panel { low: middle - half, high: middle + half, radiance }
+    }
+
+    /// Adds it to a scene, facing down. `None` where it is lost in single precision.
+    fn add(&self, mesh: &mut Mesh, materials: &mut Vec<Material>) -> Option<()> {
+        let (low, high) = (self.low.as_vec3(), self.high.as_vec3());
+        let radiance = self.radiance as f32;
+        let extent = high - low;
+        if !(extent.x > 0.0 && extent.z > 0.0 && radiance.is_finite() && extent.is_finite()) {
+            return None;
+        }
+        let corners = [[low.x, low.z], [high.x, low.z], [high.x, high.z], [low.x, high.z]];
+        let corners = corners.map(|[x, z]| [x, low.y, z]);
+        mesh.add(&corners, &[[0, 1, 2], [0, 2, 3]], &[], &[], materials.len() as u32);
+        materials.push(Material { name: "panel".to_owned(), emission: [radiance; 3], ..Material::default() });
+        Some(())
     }
 }
 
-/// A small lamp behind and above the camera that gives the middle of the room about irradiance 1: a third of what a constant
-/// environment of radiance 1 gives, because the walls near the lamp get more, and gloss reflects it.
-fn lamp(around: &Surroundings, view: &View, material: u32, notes: &mut Notes) -> (Sphere, Material) {
-    let &View { position, look_at: middle, behind, .. } = view;
-    let backward = (position - middle).normalize();
-    // Small enough to stay clear of the wall behind and of the ceiling.
-    let radius = 0.2 * behind.min((1.0 - EYE_HEIGHT) * around.size().y);
-    let center = position + (backward + DVec3::Y) * (2.0 * radius);
-    // A sphere of radiance L irradiates a patch that faces it from distance d by π L (r/d)².
-    let radiance = ((center.distance(middle) / radius).powi(2) / std::f64::consts::PI) as f32;
-    notes.assume(format!(
-        "nothing emits: a spherical lamp behind the camera, radius {radius:.3}, radiance {radiance:.3}, lights the room"
-    ));
-    let emission = [radiance; 3];
-    let material_of_lamp = Material { name: "lamp".to_owned(), emission, ..Material::default() };
-    (Sphere { center: center.as_vec3().to_array(), radius: radius as f32, material }, material_of_lamp)
+/// Share of what a point sees towards the centre of a parallel rectangle of half-sides a and b at distance h, weighted by the
+/// cosine: four times that of a corner (Howell, catalogue of configuration factors, B-4).
+fn rectangle_form_factor(a: f64, b: f64, h: f64) -> f64 {
+    let (x, y) = (a / h, b / h);
+    let (sx, sy) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
+    2.0 / PI * (x / sx * (y / sx).atan() + y / sy * (x / sy).atan())
 }
 
 /// A camera in double precision.
@@ -131,8 +166,6 @@ struct View {
     position: DVec3,
     look_at: DVec3,
     vfov: f64,
-    /// In a room: from the camera to the wall behind it.
-    behind: f64,
 }
 
 impl View {

@@ -80,14 +80,7 @@ impl SceneBuilder {
         texcoords: &[[f32; 2]],
         material: u32,
     ) {
-        let mesh = &mut self.scene.mesh;
-        let before = mesh.triangles.len();
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend_from_slice(positions);
-        mesh.triangles.extend(shifted(triangles, first));
-        mesh.material.resize(mesh.triangles.len(), material);
-        append(&mut mesh.normals, &mut mesh.normal_indices, normals, triangles, before, NO_NORMAL);
-        append(&mut mesh.texcoords, &mut mesh.texcoord_indices, texcoords, triangles, before, NO_TEXCOORD);
+        self.scene.mesh.add(positions, triangles, normals, texcoords, material);
     }
 
     /// Adds a sphere.
@@ -122,6 +115,26 @@ impl SceneBuilder {
     pub fn build(&self) -> Result<Scene, InvalidScene> {
         self.scene.validate()?;
         Ok(self.scene.clone())
+    }
+}
+
+impl Mesh {
+    /// See [`SceneBuilder::mesh_with`].
+    pub(super) fn add(
+        &mut self,
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+        normals: &[[f32; 3]],
+        texcoords: &[[f32; 2]],
+        material: u32,
+    ) {
+        let before = self.triangles.len();
+        let first = self.positions.len() as u32;
+        self.positions.extend_from_slice(positions);
+        self.triangles.extend(shifted(triangles, first));
+        self.material.resize(self.triangles.len(), material);
+        append(&mut self.normals, &mut self.normal_indices, normals, triangles, before, NO_NORMAL);
+        append(&mut self.texcoords, &mut self.texcoord_indices, texcoords, triangles, before, NO_TEXCOORD);
     }
 }
 

@@ -5,7 +5,7 @@ use super::domain::{Domain, NON_NEGATIVE, UNIT};
 use super::error::SceneError;
 use super::image_file::ImageFiles;
 use super::notes::Notes;
-use super::texture::{Channel, Image, Texels, Texture};
+use super::texture::{Channel, FileName, Image, Texels, Texture};
 use std::path::PathBuf;
 
 /// A material and the images it names.
@@ -85,7 +85,8 @@ impl Draft {
                 _ => Channel::Mean,
             });
             let srgb = matches!(map.slot, Slot::Colour | Slot::Specular | Slot::Emission);
-            let texture = Texture { image, srgb, channel, scale: map.scale, offset: map.offset };
+            let file = FileName(map.image.display().to_string());
+            let texture = Texture { image, srgb, channel, scale: map.scale, offset: map.offset, file };
             let maps = &mut material.maps;
             let place = match map.slot {
                 Slot::Colour => &mut maps.colour,

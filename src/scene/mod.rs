@@ -36,7 +36,7 @@ pub use builder::SceneBuilder;
 pub use error::SceneError;
 pub use gather::{Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherWeights};
 pub use load::load;
-pub use texture::{Channel, Image, Maps, Texels, Texture};
+pub use texture::{Channel, FileName, Image, Maps, Texels, Texture};
 pub use validate::InvalidScene;
 
 /// A validated scene. Every number in it is finite and inside its documented domain; every index is in range.

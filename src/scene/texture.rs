@@ -46,6 +46,18 @@ pub struct Texture {
     /// The image is looked up at `scale · (u, v) + offset`, repeating; v = 0 is the bottom edge.
     pub scale: [f32; 2],
     pub offset: [f32; 2],
+    pub file: FileName,
+}
+
+/// Where an image came from, for people; empty where it was made in code. Its `Debug` text says nothing: what an image is
+/// called does not make a scene another.
+#[derive(Clone, Default, PartialEq, Eq)]
+pub struct FileName(pub String);
+
+impl std::fmt::Debug for FileName {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str("FileName")
+    }
 }
 
 /// What a map of one number reads of a texel.
@@ -82,11 +94,25 @@ pub struct Maps {
 }
 
 impl Maps {
-    /// All there are.
-    pub fn textures(&self) -> impl Iterator<Item = &Texture> {
+    /// All there are, with what they are for.
+    pub fn named(&self) -> impl Iterator<Item = (&'static str, &Texture)> {
         let Maps { colour, specular, roughness, metallic, metal_alpha: _, emission, opacity, normal, strength: _ } =
             self;
-        [colour, specular, roughness, metallic, emission, opacity, normal].into_iter().flatten()
+        let named = [
+            ("colour", colour),
+            ("specular", specular),
+            ("roughness", roughness),
+            ("metallic", metallic),
+            ("emission", emission),
+            ("opacity", opacity),
+            ("normal", normal),
+        ];
+        named.into_iter().filter_map(|(name, texture)| Some((name, texture.as_ref()?)))
+    }
+
+    /// All there are.
+    pub fn textures(&self) -> impl Iterator<Item = &Texture> {
+        self.named().map(|(_, texture)| texture)
     }
 
     /// Does any of them change how the surface scatters or emits?
@@ -161,7 +187,7 @@ fn from_srgb(encoded: f64) -> f32 {
 impl Texture {
     /// The whole image, of colours or of numbers.
     pub fn new(image: Arc<Image>, srgb: bool) -> Self {
-        Texture { image, srgb, channel: Channel::Mean, scale: [1.0; 2], offset: [0.0; 2] }
+        Texture { image, srgb, channel: Channel::Mean, scale: [1.0; 2], offset: [0.0; 2], file: FileName::default() }
     }
 
     /// Bilinear between texel centres at texture coordinates, in double precision: for what is tabulated at set-up.

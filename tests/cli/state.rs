@@ -57,6 +57,10 @@ fn ranges_merge_into_the_whole_in_any_order() {
         assert!(bits == sums(&scratch, "merged.state"), "{order:?}");
         assert!(image == pixels(&scratch, "merged.exr"), "{order:?}");
     }
+    let tiled = render(&["-o", "part.exr", "--state", "d.state", "--samples", "64..256", "--tile", "5"]);
+    done(&scratch, &tiled);
+    done(&scratch, &["merge", "a.state", "d.state", "c.state", "-o", "merged.exr", "--state", "merged.state"]);
+    assert!(bits == sums(&scratch, "merged.state") && image == pixels(&scratch, "merged.exr"), "another tile");
     // The parts differ from each other, or the test would pass on copies.
     assert!(sums(&scratch, "a.state") != sums(&scratch, "b.state"));
     let said = refused(&scratch, &["merge", "a.state", "b.state", "a.state", "-o", "x.exr"]);

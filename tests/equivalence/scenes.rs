@@ -314,6 +314,7 @@ fn noise(channels: usize, width: u32, height: u32) -> Option<Texture> {
     let texels = (0..(width * height) as usize * channels).map(|_| (rng.f64() * 256.0) as u8).collect();
     let image = Image { width, height, channels, texels: Texels::Bytes(texels) };
     Some(Texture {
+        file: octolux::scene::FileName::default(),
         channel: if channels == 4 { Channel::Alpha } else { Channel::Mean },
         ..Texture::new(image.into(), true)
     })

@@ -27,7 +27,7 @@ fn image<const C: usize>(folder: &TempDir, name: &str, pixels: &[[f32; C]], vali
 }
 
 fn args(a: &Path, b: &Path) -> CompareArgs {
-    CompareArgs { a: a.into(), b: b.into(), json: None, max_relmse: None, diff: None }
+    CompareArgs { a: a.into(), b: b.into(), json: None, max_relmse: None, diff: None, quiet: true }
 }
 
 fn close(value: f64, expected: f64) {

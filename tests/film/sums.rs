@@ -160,7 +160,24 @@ fn films_merge_tile_by_tile() {
     second.tiles_mut().iter_mut().for_each(|tile| add(tile, 192, 100));
     first.merge(second).unwrap();
     assert!(first == rendered(SIZE, 4, FilmChannels::Colour, 292, 292));
-    assert_eq!(first.merge(Film::new(SIZE.0, SIZE.1, 5, FilmChannels::Colour, 9)), Err(MergeError::Shape));
+    assert_eq!(first.merge(Film::new(SIZE.0, SIZE.1 + 1, 4, FilmChannels::Colour, 9)), Err(MergeError::Shape));
+}
+
+/// Sums belong to pixels: parts rendered in tiles of other sizes merge to the bits of one film.
+#[test]
+fn films_of_other_tiles_merge() {
+    let channels = FilmChannels::ColourAndAovs;
+    let whole = rendered(SIZE, 4, channels, 292, 292);
+    for (first_tile, second_tile) in [(4, 5), (4, 1), (4, 64), (4, 3)] {
+        let mut first = rendered(SIZE, first_tile, channels, 192, 192);
+        let mut second = Film::new(SIZE.0, SIZE.1, second_tile, channels, 3);
+        second.tiles_mut().iter_mut().for_each(|tile| add(tile, 192, 100));
+        first.merge(second).unwrap();
+        assert!(first == whole, "tiles of {first_tile} and {second_tile}");
+    }
+    let mut uneven = Film::new(SIZE.0, SIZE.1, 5, channels, 3);
+    add(&mut uneven.tiles_mut()[1], 192, 64);
+    assert_eq!(rendered(SIZE, 4, channels, 192, 192).merge(uneven), Err(MergeError::Tiles));
 }
 
 #[test]
