@@ -23,13 +23,19 @@
 //! Conventions: right-handed world; `wo` points to the viewer, `wi` is sampled; local frames have z = n; pdfs are in
 //! solid angle unless their name ends in `_area`; radiance is linear RGB in W·sr⁻¹·m⁻².
 
+#![warn(missing_docs)]
+
+#[allow(missing_docs)] // under the kernel: public for tests and benchmarks
 pub mod accel;
 pub mod bsdf;
 pub mod check;
+#[allow(missing_docs)] // the program, not the library
 pub mod cli;
 pub mod cpu;
+#[allow(missing_docs)] // fields are keys of reports, and say themselves
 pub mod estimate;
 pub mod film;
+#[allow(missing_docs)] // under the kernel: public for tests and benchmarks
 pub mod geometry;
 pub mod kernel;
 pub mod lane;
@@ -39,6 +45,7 @@ pub mod plan;
 pub mod process;
 pub mod render;
 mod renderer;
+#[allow(missing_docs)] // fields are keys of reports, and say themselves
 pub mod report;
 pub mod sampling;
 pub mod scene;

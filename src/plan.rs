@@ -34,8 +34,11 @@ pub enum Shading {
 /// One thing the plan decided, for `--explain`.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Decision {
+    /// The stage.
     pub what: &'static str,
+    /// Is it there?
     pub kept: bool,
+    /// What of the scene decided.
     pub why: String,
 }
 
@@ -103,20 +106,28 @@ impl Feature {
 pub struct Force {
     /// Keep every stage: the general kernel.
     pub general: bool,
+    /// How rays find geometry.
     pub geometry: Option<GeometryMode>,
 }
 
 /// What the kernel and the prepared data hold for a scene.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Plan {
+    /// How rays find geometry.
     pub geometry: GeometryMode,
+    /// Models the kernel holds.
     pub shading: Shading,
     /// Is the Phong model kept, is the coated one? (Conductor and dielectric come with [`Shading::General`].)
     pub phong: bool,
+    /// See [`Plan::phong`].
     pub coated: bool,
+    /// Are there spheres?
     pub spheres: bool,
+    /// Do triangles have normals of their own, or images of them?
     pub shading_normals: bool,
+    /// Does light come from outside?
     pub environment: bool,
+    /// Do primitives emit?
     pub area_lights: bool,
     /// Is there a table of them for each part of the scene? The same in the general kernel: it decides on samples.
     pub light_grid: bool,
@@ -136,6 +147,7 @@ pub struct Plan {
     pub light_transport: bool,
     /// What a Gaussian process believes of its estimates' variance.
     pub posterior: bool,
+    /// All of the above, with reasons.
     pub decisions: Vec<Decision>,
 }
 

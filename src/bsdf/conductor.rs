@@ -12,6 +12,7 @@ pub struct Conductor<R: Real> {
     pub alpha: R,
     /// Smith masking G1(wo)·G1(wi) in these lanes, height-correlated in the others.
     pub separable: R::Mask,
+    /// Reflectance by angle.
     pub fresnel: ConductorFresnel<R>,
 }
 

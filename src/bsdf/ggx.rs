@@ -14,6 +14,7 @@ const TINY: f32 = 1e-37;
 /// A rough interface. `alpha` in [[`ALPHA_MIN`](super::ALPHA_MIN), 1].
 #[derive(Clone, Copy, Debug)]
 pub struct Ggx<R: Real> {
+    /// In [[`ALPHA_MIN`](super::ALPHA_MIN), 1].
     pub alpha: R,
     /// Masking G1(wo)·G1(wi) in these lanes, height-correlated in the others.
     pub separable: R::Mask,
@@ -38,6 +39,7 @@ pub struct VisibleNormal<R> {
 }
 
 impl<R: Real> Ggx<R> {
+    /// What Smith's terms need of a unit direction.
     #[inline(always)]
     pub fn project(&self, w: Vec3<R>) -> Projected<R> {
         let (ax, ay) = (self.alpha * w.x, self.alpha * w.y);

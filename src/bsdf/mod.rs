@@ -32,6 +32,7 @@ pub const ALPHA_MIN: f32 = 1e-4;
 /// A sampled direction. In lanes that are not `valid` nothing but `weight` = 0, `pdf` = 0 and a finite `wi` is promised.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<R: Real> {
+    /// Unit.
     pub wi: Vec3<R>,
     /// f·|cosθi|/pdf in cancelled form; includes the probability of the lobe that was chosen.
     pub weight: Vec3<R>,
@@ -73,6 +74,7 @@ pub struct Eval<R: Real> {
 
 /// What the kernel asks of a BSDF. `weight·pdf = value` of the sampled direction, up to rounding.
 pub trait Model<R: Real> {
+    /// f·|cosθi| and pdf towards unit directions.
     fn eval(&self, wo: Vec3<R>, wi: Vec3<R>) -> Eval<R>;
     /// `u_lobe` chooses among lobes, `u` the direction; each in [0, 1).
     fn sample(&self, wo: Vec3<R>, u_lobe: R, u: [R; 2]) -> Sample<R>;

@@ -1,4 +1,4 @@
-//! Estimators that are wrong on average, and tempting: E[Î] = I + B. A study must see their B.
+//! Estimators that are wrong on average, and tempting: E\[Î\] = I + B. A study must see their B.
 
 use super::method::{Claim, Method, Prepared, Shared, Single, mean_and_squares, with_values};
 use super::points::Points;

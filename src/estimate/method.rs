@@ -7,9 +7,9 @@ use crate::kernel::Width;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Claim {
-    /// E[Î] = I: a bias beyond chance is a fault.
+    /// E\[Î\] = I: a bias beyond chance is a fault.
     Unbiased,
-    /// E[Î] = I + B.
+    /// E\[Î\] = I + B.
     Biased,
     /// No chance in it: one estimate says all.
     Deterministic,

@@ -35,7 +35,7 @@ pub struct Cell {
     /// Independent estimates.
     pub repeats: usize,
     pub mean: Estimate,
-    /// E[Î] − I.
+    /// E\[Î\] − I.
     pub bias: Estimate,
     /// How many standard errors of the mean the bias is; `None` where there is no spread.
     pub z: Option<f64>,

@@ -35,6 +35,7 @@ fn round(lane: u64, input: u64) -> u64 {
 }
 
 impl Checksum {
+    /// Adds bytes.
     pub fn update(&mut self, mut bytes: &[u8]) {
         self.length = self.length.wrapping_add(bytes.len() as u64);
         if self.buffered > 0 {
@@ -101,10 +102,12 @@ impl std::fmt::Write for Checksum {
 /// Passes bytes on, either way, and sums them.
 pub struct Summed<T> {
     inner: T,
+    /// Of all that passed.
     pub sum: Checksum,
 }
 
 impl<T> Summed<T> {
+    /// Nothing has passed yet.
     pub fn new(inner: T) -> Self {
         Summed { inner, sum: Checksum::default() }
     }

@@ -18,13 +18,18 @@ const LEAST_TILE_BYTES: u64 = 8 + 2 * 8 + 4 + 4;
 /// Size and form of a film, known before its bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilmShape {
+    /// Pixels.
     pub width: u32,
+    /// Pixels.
     pub height: u32,
+    /// Side of a tile in pixels.
     pub tile: u32,
+    /// Kept of each sample.
     pub channels: FilmChannels,
 }
 
 impl Film {
+    /// What [`Film::encode`] leaves out.
     pub fn shape(&self) -> FilmShape {
         FilmShape { width: self.width(), height: self.height(), tile: self.tile_side(), channels: self.channels() }
     }

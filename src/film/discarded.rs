@@ -8,8 +8,11 @@ pub const REMEMBERED: usize = 16;
 /// Where a dropped sample was: enough to replay its path. Ordered by sample, then row, then column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct DiscardedSample {
+    /// Column, from the left.
     pub x: u32,
+    /// Row, from the top.
     pub y: u32,
+    /// Index of the sample.
     pub sample: u64,
 }
 

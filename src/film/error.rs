@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// An image could not be written or read.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)] // fields: as the variant says
 pub enum FilmError {
     #[error("{}: cannot write: {why}", path.display())]
     Write { path: PathBuf, why: String },
@@ -23,6 +24,7 @@ impl FilmError {
 
 /// Two films, or two tiles, do not fit together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs)] // fields: as the variant says
 pub enum MergeError {
     #[error("the films differ in size or channels")]
     Shape,

@@ -30,7 +30,9 @@ const CHUNKS_IN_FLIGHT: usize = 64;
 /// An image in memory, row 0 on top. Planes are row-major, `width · height` values each.
 #[derive(Clone, Debug)]
 pub struct ExrImage {
+    /// Pixels.
     pub width: u32,
+    /// Pixels.
     pub height: u32,
     /// Name and plane of every channel of the part that holds the colour.
     pub channels: Vec<(String, Vec<f32>)>,
@@ -45,6 +47,7 @@ impl ExrImage {
         self.colour.map(|c| self.channels[c].1.as_slice())
     }
 
+    /// A channel by its full name, row by row from the top.
     pub fn channel(&self, name: &str) -> Option<&[f32]> {
         self.channels.iter().find(|(known, _)| known == name).map(|(_, plane)| plane.as_slice())
     }
@@ -54,6 +57,7 @@ impl ExrImage {
         Some([self.channel("variance.R")?, self.channel("variance.G")?, self.channel("variance.B")?])
     }
 
+    /// Metadata by name.
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
         self.attributes.iter().find(|(known, _)| known == name).map(|(_, value)| value)
     }

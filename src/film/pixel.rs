@@ -18,6 +18,7 @@ pub struct PixelSums {
 /// Means of the first-hit values of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aovs {
+    /// Mean reflectance.
     pub albedo: [f64; 3],
     /// Mean of unit normals: shorter than 1 where they differ.
     pub normal: [f64; 3],

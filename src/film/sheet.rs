@@ -33,14 +33,17 @@ impl Film {
         Self { width, height, tile, tiles_across: across, channels, tiles }
     }
 
+    /// Pixels.
     pub fn width(&self) -> u32 {
         self.width
     }
 
+    /// Pixels.
     pub fn height(&self) -> u32 {
         self.height
     }
 
+    /// Kept of each sample.
     pub fn channels(&self) -> FilmChannels {
         self.channels
     }

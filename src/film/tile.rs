@@ -9,13 +9,18 @@ use super::slot::{AovSample, COLOUR_SUMS, FilmChannels, MOST_SUMS};
 /// Pixels `[x, x + width) × [y, y + height)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rect {
+    /// First column.
     pub x: u32,
+    /// First row, from the top.
     pub y: u32,
+    /// Pixels.
     pub width: u32,
+    /// Pixels.
     pub height: u32,
 }
 
 impl Rect {
+    /// How many pixels it has.
     pub fn pixels(self) -> usize {
         self.width as usize * self.height as usize
     }
@@ -51,10 +56,12 @@ impl TileFilm {
         }
     }
 
+    /// Where it is on the film.
     pub fn rect(&self) -> Rect {
         self.rect
     }
 
+    /// Kept of each sample.
     pub fn channels(&self) -> FilmChannels {
         self.channels
     }
@@ -69,6 +76,7 @@ impl TileFilm {
         self.whole.block_count() * BLOCK + self.next_sample % BLOCK
     }
 
+    /// What was dropped.
     pub fn discarded(&self) -> &Discarded {
         &self.discarded
     }

@@ -208,7 +208,7 @@ impl<R: Real> Edges<R> {
     ///
     /// Not Woop's sum of weighted depths: the weights of a sliver carry an error of ε·length²/area, and with it t, so that
     /// rays hit the sliver they leave. The plane of a triangle is sure to ε·length wherever the triangle is, however
-    /// thin. Seen from a low angle t is not ([`STEEP`]): [`Edges::grazing`] has those.
+    /// thin. Seen from a low angle t is not (`STEEP`): `Edges::grazing` has those.
     #[inline(always)]
     pub fn distances(&self, setup: &RaySetup<R>, v0: [R; 3], normal: [R; 3], normal_size: R) -> (R::Mask, R) {
         let along = dot(normal, setup.direction);
@@ -243,7 +243,7 @@ impl<R: Real> Edges<R> {
 }
 
 /// A ray meets a plane steeply where |n·d| is at least this share of max|n_k|·max|d_k|. t then is sure to
-/// ε·length/[`STEEP`] = 2⁻¹⁸·length, and needs no help from the vertices. (1.5 % of the directions are less steep.)
+/// ε·length/`STEEP` = 2⁻¹⁸·length, and needs no help from the vertices. (1.5 % of the directions are less steep.)
 const STEEP: f32 = 1.0 / 64.0;
 
 /// The largest magnitude.

@@ -17,7 +17,9 @@ use std::f32::consts::{PI, TAU};
 /// What directions are drawn from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Technique {
+    /// Over the hemisphere of the viewer.
     Uniform,
+    /// With density cosθ/π.
     Cosine,
     /// The material's own sampling.
     Bsdf,

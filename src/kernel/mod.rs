@@ -63,12 +63,16 @@ impl Traversal for TreeTraversal {
 /// Number of lanes a kernel is compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Width {
+    /// Plain `f32`.
     One,
+    /// One AVX register.
     Eight,
+    /// One AVX-512 register, or two of AVX.
     Sixteen,
 }
 
 impl Width {
+    /// All there are.
     pub const ALL: [Width; 3] = [Width::One, Width::Eight, Width::Sixteen];
 
     /// The width measured to be fastest on this build: 16 where it has AVX-512, else 8.
@@ -79,6 +83,7 @@ impl Width {
     pub fn from_lanes(lanes: usize) -> Option<Width> {
         Width::ALL.into_iter().find(|w| w.lanes() == lanes)
     }
+    /// Number of lanes.
     pub fn lanes(self) -> usize {
         match self {
             Width::One => 1,

@@ -11,22 +11,36 @@ use crate::lane::{Bits, Mask, Real, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
+    /// Numbers of a bounce.
     Random,
+    /// Distance of a hit, in lengths of its ray's direction.
     HitT,
+    /// Index of the primitive that was hit.
     HitPrimitive,
+    /// First barycentric coordinate.
     HitU,
+    /// Second barycentric coordinate.
     HitV,
+    /// What an emitter or the environment adds.
     Emission,
+    /// Density of a light sample.
     LightPdf,
+    /// What a light sample adds if nothing hides it.
     LightContribution,
+    /// Is it hidden, or the share that cut-outs let through.
     Shadow,
+    /// Density of a scattered direction.
     BsdfPdf,
+    /// f·cosθ/pdf of a scattered direction.
     BsdfWeight,
+    /// Probability to survive.
     Roulette,
+    /// What a path found in all.
     Radiance,
 }
 
 impl Stage {
+    /// In the order of a path.
     pub const ALL: [Stage; 13] = [
         Stage::Random,
         Stage::HitT,
@@ -66,8 +80,11 @@ impl Stage {
 /// Which sample of the tile each lane works on, and at which bounce.
 #[derive(Clone, Copy)]
 pub struct Lanes<R: Real> {
+    /// Of the job.
     pub slot: R::Bits,
+    /// 0 at the first hit.
     pub bounce: R,
+    /// Lanes that hold a sample.
     pub active: R::Mask,
 }
 
@@ -79,10 +96,12 @@ pub trait Probe {
     /// Returns the value to go on with.
     fn tap<R: Real>(&mut self, stage: Stage, lanes: Lanes<R>, value: R) -> R;
 
+    /// Three taps.
     #[inline(always)]
     fn tap_rgb<R: Real>(&mut self, stage: Stage, lanes: Lanes<R>, v: Vec3<R>) -> Vec3<R> {
         Vec3::new(self.tap(stage, lanes, v.x), self.tap(stage, lanes, v.y), self.tap(stage, lanes, v.z))
     }
+    /// A tap of 1 or 0.
     #[inline(always)]
     fn tap_mask<R: Real>(&mut self, stage: Stage, lanes: Lanes<R>, mask: R::Mask) -> R::Mask {
         self.tap(stage, lanes, R::one().masked(mask)).gt(R::zero())
@@ -108,9 +127,13 @@ impl Probe for NoProbe {
 /// One value of one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record {
+    /// 0 at the first hit.
     pub bounce: u32,
+    /// What it is.
     pub stage: Stage,
+    /// That computed it.
     pub lane: u32,
+    /// Of the f32.
     pub bits: u32,
 }
 

@@ -11,11 +11,13 @@ const LEAST_FACING: f32 = 1.0 / 64.0;
 
 /// Where a packet's rays met the scene.
 pub struct Surface<R: Real> {
+    /// The point and how far off it may be, in the kernel's unit.
     pub at: SurfacePoint<R>,
     /// Unit geometric normal: front of triangles (counter-clockwise), outside of spheres.
     pub ng: Vec3<R>,
     /// Unit shading normal.
     pub ns: Vec3<R>,
+    /// Images already applied.
     pub material: MaterialAt<R>,
     /// Lanes that hit a sphere.
     pub on_sphere: R::Mask,

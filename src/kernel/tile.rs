@@ -15,9 +15,13 @@ use core::marker::PhantomData;
 pub struct Job {
     /// Left column and top row.
     pub x: u32,
+    /// Top row.
     pub y: u32,
+    /// Pixels.
     pub width: u32,
+    /// Pixels.
     pub height: u32,
+    /// Index of the first sample of every pixel.
     pub first_sample: u32,
     /// Samples a pixel in this job.
     pub samples: u32,
@@ -61,6 +65,7 @@ impl SampleBuffer {
         }
     }
 
+    /// Keeps the first hit of the slots of `mask`, if first hits are asked for.
     pub fn write_features<R: Real>(&mut self, slot: R::Bits, albedo: Vec3<R>, n: Vec3<R>, z: R, mask: R::Mask) {
         let Some(features) = &mut self.features else { return };
         for lane in lanes_of(mask.bits()) {
@@ -94,11 +99,15 @@ pub fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
 /// Rays traced and lanes used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Counters {
+    /// One a path.
     pub camera_rays: u64,
+    /// After a scattering event.
     pub bounce_rays: u64,
+    /// Towards lights.
     pub shadow_rays: u64,
     /// Packets shaded, and lanes alive in them.
     pub packets: u64,
+    /// Of [`Counters::packets`] times the width.
     pub active_lanes: u64,
 }
 
@@ -108,15 +117,18 @@ impl Counters {
     pub fn traced<M: Mask>(&mut self, camera: bool, mask: M) {
         *(if camera { &mut self.camera_rays } else { &mut self.bounce_rays }) += mask.bits().count_ones() as u64;
     }
+    /// A packet is shaded.
     #[inline(always)]
     pub fn shaded<M: Mask>(&mut self, mask: M) {
         self.packets += 1;
         self.active_lanes += mask.bits().count_ones() as u64;
     }
+    /// A packet of shadow rays is traced.
     #[inline(always)]
     pub fn shadow<M: Mask>(&mut self, mask: M) {
         self.shadow_rays += mask.bits().count_ones() as u64;
     }
+    /// Adds another worker's.
     pub fn add(&mut self, other: &Counters) {
         self.camera_rays += other.camera_rays;
         self.bounce_rays += other.bounce_rays;
@@ -124,6 +136,7 @@ impl Counters {
         self.packets += other.packets;
         self.active_lanes += other.active_lanes;
     }
+    /// Of all kinds.
     pub fn rays(&self) -> u64 {
         self.camera_rays + self.bounce_rays + self.shadow_rays
     }

@@ -18,16 +18,23 @@ use std::time::Instant;
 
 /// Everything a kernel needs to render a scene.
 pub struct World {
+    /// What is kept.
     pub plan: Plan,
+    /// In the kernel's unit.
     pub camera: Camera,
+    /// In pixels.
     pub film: FilmSize,
+    /// How light is followed.
     pub integrator: Integrator,
     /// Scattering events allowed on a path (the integrator's, with `direct` limited to 1).
     pub max_bounces: f32,
+    /// Of every random number.
     pub seed: u64,
+    /// How the samples of a pixel relate.
     pub sampler: SamplerKind,
     /// In place of the sampler's, where a program brings its own.
     pub numbers: Option<Arc<dyn Numbers>>,
+    /// The tree, or the lists where there is none.
     pub accel: Accel,
     /// Vertex 0, edges, geometric normal of each triangle.
     pub triangles: TriangleRows,
@@ -37,10 +44,13 @@ pub struct World {
     pub normals: Rows<9>,
     /// Texture coordinates of the three vertices of a triangle. Empty unless the plan keeps them.
     pub texcoords: Rows<8>,
+    /// Images that materials use.
     pub textures: TextureTable,
+    /// Centre and radius of each sphere.
     pub spheres: SphereRows,
     /// Triangles come first in primitive numbering; this many.
     pub triangle_count: u32,
+    /// One row a material.
     pub materials: MaterialTable,
     /// `None` where nothing emits or nothing transports light.
     pub lights: Option<Lights>,
@@ -48,16 +58,22 @@ pub struct World {
     pub gather: Option<GatherTables>,
     /// One length unit of the kernel is this many of the scene's: a power of two.
     pub unit: f32,
+    /// What preparing took.
     pub setup: Setup,
 }
 
 /// Seconds and bytes of what was built.
 #[derive(Clone, Debug, Default, serde::Serialize)]
 pub struct Setup {
+    /// To build the tree.
     pub tree_seconds: f64,
+    /// To build the rest.
     pub tables_seconds: f64,
+    /// What was built.
     pub tree: BuildReport,
+    /// Of the rows of primitives.
     pub row_bytes: usize,
+    /// Of images, counted as often as used.
     pub texture_bytes: usize,
     /// `None` unless the integrator gathers.
     pub gather: Option<GatherReport>,
@@ -66,8 +82,11 @@ pub struct Setup {
 /// Options of preparation that do not belong to the scene.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Prepare {
+    /// Of every random number.
     pub seed: u64,
+    /// How the samples of a pixel relate.
     pub sampler: SamplerKind,
+    /// Quality of the tree.
     pub build: Preset,
 }
 
@@ -101,7 +120,11 @@ impl World {
         let tags = if plan.light_transport || plan.cutouts { tag_rows(scene, lights.as_ref()) } else { Rows::new(&[]) };
         let normals = Rows::new(&if plan.shading_normals { normal_rows(scene) } else { Vec::new() });
         let texcoords = Rows::new(&if plan.texcoords { texcoord_rows(scene) } else { Vec::new() });
-        let textures = TextureTable::new(if plan.textures || plan.cutouts { &scene.materials } else { &[] });
+        let textures = TextureTable::new(if plan.textures || plan.cutouts || plan.patterned_lights {
+            &scene.materials
+        } else {
+            &[]
+        });
         let materials = MaterialTable::new(if plan.light_transport { &scene.materials } else { &[] });
         let setup = Setup {
             tree_seconds,

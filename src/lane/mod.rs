@@ -79,6 +79,7 @@ pub trait Bits:
     + Send
     + Sync
 {
+    /// Of as many lanes.
     type Mask: Mask;
     /// The same value in every lane.
     fn splat(value: u32) -> Self;
@@ -100,6 +101,7 @@ pub trait Bits:
     fn shr<const K: i32>(self) -> Self;
     /// Rotation left, `0 < K < 32`.
     fn rotl<const K: i32>(self) -> Self;
+    /// Lane by lane.
     fn eq(self, other: Self) -> Self::Mask;
     /// Lanes of `if_true` where the mask holds, else of `if_false`.
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
@@ -120,7 +122,9 @@ pub trait Real:
 {
     /// Number of lanes.
     const WIDTH: usize;
+    /// Of as many lanes.
     type Mask: Mask;
+    /// Of as many lanes.
     type Bits: Bits<Mask = Self::Mask>;
     /// What tests the eight children of a tree node: a register, or at width 1 a loop of eight scalar tests.
     type Eight: Real;
@@ -144,9 +148,11 @@ pub trait Real:
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
     /// Correctly rounded; NaN below zero.
     fn sqrt(self) -> Self;
+    /// Exact.
     fn abs(self) -> Self;
     /// To the nearest integer, ties to even.
     fn round(self) -> Self;
+    /// Exact.
     fn floor(self) -> Self;
     /// `self < other ? self : other`. So `other` wins over a NaN in either place and among equal zeros: keep the
     /// running bound on the right.
@@ -156,15 +162,22 @@ pub trait Real:
     /// The magnitude of `self` with the sign bit of `sign`.
     fn copysign(self, sign: Self) -> Self;
 
+    /// `self < other`; false beside a NaN, as are the others.
     fn lt(self, other: Self) -> Self::Mask;
+    /// `self ≤ other`.
     fn le(self, other: Self) -> Self::Mask;
+    /// `self > other`.
     fn gt(self, other: Self) -> Self::Mask;
+    /// `self ≥ other`.
     fn ge(self, other: Self) -> Self::Mask;
+    /// Lane by lane.
     fn eq(self, other: Self) -> Self::Mask;
     /// Lanes of `if_true` where the mask holds, else of `if_false`.
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
 
+    /// The pattern of each lane.
     fn to_bits(self) -> Self::Bits;
+    /// The number of each pattern.
     fn from_bits(bits: Self::Bits) -> Self;
     /// Exact for integers below 2²⁴. Domain: values below 2³¹.
     fn from_int(bits: Self::Bits) -> Self;
@@ -195,10 +208,12 @@ pub trait Real:
     fn highest(self) -> f32;
 
     // What is the same for every width.
+    /// 0 in every lane.
     #[inline(always)]
     fn zero() -> Self {
         Self::splat(0.0)
     }
+    /// 1 in every lane.
     #[inline(always)]
     fn one() -> Self {
         Self::splat(1.0)

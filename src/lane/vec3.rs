@@ -6,12 +6,16 @@ use core::ops::{Add, Mul, Neg, Sub};
 /// A vector or an RGB triple per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Vec3<R> {
+    /// First coordinate, or red.
     pub x: R,
+    /// Second coordinate, or green.
     pub y: R,
+    /// Third coordinate, or blue.
     pub z: R,
 }
 
 impl<R> Vec3<R> {
+    /// From coordinates.
     #[inline(always)]
     pub const fn new(x: R, y: R, z: R) -> Self {
         Self { x, y, z }
@@ -29,6 +33,7 @@ impl<R: Real> Vec3<R> {
     pub fn all(v: R) -> Self {
         Self::new(v, v, v)
     }
+    /// (0, 0, 0) in every lane.
     #[inline(always)]
     pub fn zero() -> Self {
         Self::all(R::zero())
@@ -47,10 +52,12 @@ impl<R: Real> Vec3<R> {
             difference_of_products(self.x, o.y, self.y, o.x),
         )
     }
+    /// v·v.
     #[inline(always)]
     pub fn length_squared(self) -> R {
         self.dot(self)
     }
+    /// √(v·v).
     #[inline(always)]
     pub fn length(self) -> R {
         self.length_squared().sqrt()
@@ -70,14 +77,17 @@ impl<R: Real> Vec3<R> {
     pub fn hadamard(self, o: Self) -> Self {
         Self::new(self.x * o.x, self.y * o.y, self.z * o.z)
     }
+    /// The largest of the three.
     #[inline(always)]
     pub fn max_component(self) -> R {
         self.x.max_or(self.y).max_or(self.z)
     }
+    /// Coordinate by coordinate.
     #[inline(always)]
     pub fn abs(self) -> Self {
         Self::new(self.x.abs(), self.y.abs(), self.z.abs())
     }
+    /// Lanes of `if_true` where the mask holds, else of `if_false`.
     #[inline(always)]
     pub fn select(mask: R::Mask, if_true: Self, if_false: Self) -> Self {
         Self::new(
@@ -91,16 +101,19 @@ impl<R: Real> Vec3<R> {
     pub fn masked(self, mask: R::Mask) -> Self {
         Self::new(self.x.masked(mask), self.y.masked(mask), self.z.masked(mask))
     }
+    /// Lane `i`.
     #[inline(always)]
     pub fn lane(&self, i: usize) -> [f32; 3] {
         [self.x.lane(i), self.y.lane(i), self.z.lane(i)]
     }
+    /// Replaces lane `i`.
     #[inline(always)]
     pub fn set_lane(&mut self, i: usize, v: [f32; 3]) {
         self.x.set_lane(i, v[0]);
         self.y.set_lane(i, v[1]);
         self.z.set_lane(i, v[2]);
     }
+    /// Lane `i` is `f(i)`.
     #[inline(always)]
     pub fn from_fn(mut f: impl FnMut(usize) -> [f32; 3]) -> Self {
         let mut v = Self::zero();

@@ -10,6 +10,7 @@ use crate::scene::Environment;
 pub enum EnvironmentMap {
     /// The same radiance from everywhere: sampled uniformly over the sphere, nothing tabulated.
     Constant([f32; 3]),
+    /// By an image.
     Image(ImageMap),
     /// An image, turned about +y.
     Turned(ImageMap, Turn),

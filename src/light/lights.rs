@@ -110,6 +110,7 @@ impl Lights {
         Some(self.delta.as_ref()?.one(index, p))
     }
 
+    /// What comes from outside.
     pub fn environment_map(&self) -> Option<&EnvironmentMap> {
         self.environment.as_ref()
     }
@@ -183,7 +184,7 @@ impl Lights {
         sample
     }
 
-    /// What a primitive keeps beside its shading data so that [`triangle_pdf`] and [`sphere_pdf`] need no look-up:
+    /// What a primitive keeps beside its shading data so that [`triangle_pdf`](super::triangle_pdf) and [`sphere_pdf`](super::sphere_pdf) need no look-up:
     /// choice probability / area for a triangle, choice probability for a sphere, 0 for one that is never sampled.
     /// Takes O(log lights): call it when preparing a scene.
     pub fn emitter_pdf_row(&self, primitive: u32) -> f32 {
@@ -192,7 +193,7 @@ impl Lights {
 
     /// The density with which [`Lights::sample`] from `origin` would have produced the point of `primitive` at
     /// distance `t`, where `cos` is the cosine between the light's front normal and the direction back (not read for
-    /// spheres). The same value as [`triangle_pdf`] or [`sphere_pdf`] on a stored row, which the kernel should prefer:
+    /// spheres). The same value as [`triangle_pdf`](super::triangle_pdf) or [`sphere_pdf`](super::sphere_pdf) on a stored row, which the kernel should prefer:
     /// this looks the primitive up.
     pub fn pdf_area<R: Real>(&self, primitive: R::Bits, origin: Vec3<R>, t: R, cos: R) -> R {
         self.area.as_ref().map_or(R::zero(), |area| area.pdf(primitive, origin, t, cos))

@@ -31,10 +31,13 @@ pub use triangle::{triangle_barycentrics, triangle_pdf};
 
 use thiserror::Error;
 
+/// Lights cannot be tabulated.
 #[derive(Debug, Error, PartialEq, Eq)]
+#[allow(missing_docs)] // fields: as the variant says
 pub enum LightError {
     #[error("{count} lights; a light table holds {most}. Make fewer of them shine")]
     TooMany { count: usize, most: usize },
+    /// An intensity is out of range.
     #[error("the intensity of a light leaves single precision at the scale of this scene. Use other units of length")]
     Overflow,
 }
@@ -44,12 +47,15 @@ pub enum LightError {
 pub struct Emitter {
     /// Triangles in file order, then spheres.
     pub primitive: u32,
+    /// In the kernel's unit.
     pub shape: EmitterShape,
     /// Linear RGB, finite and ≥ 0.
     pub radiance: [f32; 3],
 }
 
+/// Where an emitter is.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)] // fields: as the variant says
 pub enum EmitterShape {
     /// Emits from its counter-clockwise side, where `e1` × `e2` points.
     Triangle { p0: [f32; 3], e1: [f32; 3], e2: [f32; 3] },

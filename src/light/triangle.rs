@@ -10,7 +10,7 @@ pub(super) const GAMMA_7: f32 = 4.172_327e-7;
 
 /// The solid-angle density at distance `t` of a light sampled uniformly in area. `row` is the light's choice
 /// probability over its area ([`Lights::emitter_pdf_row`](super::Lights::emitter_pdf_row)), `cos` the cosine between
-/// the light's front normal and the direction back. 0 on the back side, and where the density overflows: [`sample`]
+/// the light's front normal and the direction back. 0 on the back side, and where the density overflows: `sample`
 /// drops those points, so they are left to the other technique.
 #[inline(always)]
 pub fn triangle_pdf<R: Real>(row: R, t: R, cos: R) -> R {

@@ -21,9 +21,13 @@ pub struct Budget {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum StoppedBy {
+    /// The sample count was reached.
     Samples,
+    /// The user.
     Interrupt,
+    /// The clock.
     Time,
+    /// The estimated error was reached.
     Error,
 }
 
@@ -75,6 +79,7 @@ pub struct Pacer {
 }
 
 impl Pacer {
+    /// Nothing rendered yet.
     pub fn new(budget: Budget) -> Self {
         Pacer { budget, size: 1, settled: false, seconds_per_sample: 0.0 }
     }

@@ -4,7 +4,9 @@ pub mod budget;
 pub mod interrupt;
 mod phase;
 mod progress;
+#[allow(missing_docs)] // fields are keys of the state's head
 pub mod state;
+#[allow(missing_docs)] // fields are keys of the report
 mod summary;
 
 pub use budget::{Budget, StoppedBy};
@@ -28,7 +30,9 @@ const JOB_SLOTS: u32 = 16_384;
 /// How to render, apart from what the scene says.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
+    /// When to stop.
     pub budget: Budget,
+    /// Lanes.
     pub width: Width,
     /// Side of a tile in pixels; see [`default_tile`].
     pub tile: u32,
@@ -46,8 +50,11 @@ pub fn default_tile(width: u32, height: u32) -> u32 {
 
 /// A finished render.
 pub struct Outcome {
+    /// Of all samples.
     pub film: Film,
+    /// What ended it.
     pub stopped_by: StoppedBy,
+    /// Rays and lanes.
     pub counters: Counters,
     /// From the first sample traced to the finished film.
     pub render_seconds: f64,

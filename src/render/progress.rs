@@ -21,6 +21,7 @@ pub struct Progress {
 }
 
 impl Progress {
+    /// Tells nothing.
     pub fn quiet() -> Self {
         Progress { bar: None, plain: false, budget: Budget::default(), last: None, error: None }
     }
@@ -76,6 +77,7 @@ impl Progress {
         format!("{percent:3.0} %  {done} spp  {rate:.2} Msamples/s  relative error {error}  ETA {eta:.1} s")
     }
 
+    /// Removes the bar.
     pub fn finish(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();

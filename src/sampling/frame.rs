@@ -5,8 +5,11 @@ use crate::lane::{Real, Vec3};
 /// A right-handed orthonormal basis whose z axis is the normal: `tangent × bitangent = normal`.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<R> {
+    /// The local x axis.
     pub tangent: Vec3<R>,
+    /// The local y axis.
     pub bitangent: Vec3<R>,
+    /// The local z axis.
     pub normal: Vec3<R>,
 }
 

@@ -18,11 +18,14 @@ pub const MAX_DIMENSIONS: usize = DIMENSIONS;
 /// A 64-bit key a lane, as [`super::sample_key`] makes them: for a renderer, of (seed, pixel, 0).
 #[derive(Clone, Copy, Debug)]
 pub struct Key<R: Real> {
+    /// Of 64 bits.
     pub low: R::Bits,
+    /// Of 64 bits.
     pub high: R::Bits,
 }
 
 impl<R: Real> Key<R> {
+    /// Lane `i` is `key(i)`.
     pub fn from_fn(mut key: impl FnMut(usize) -> u64) -> Self {
         let mut out = Self { low: R::Bits::splat(0), high: R::Bits::splat(0) };
         for lane in 0..R::WIDTH {

@@ -5,17 +5,23 @@ use crate::estimate::bmc::{Covariance, Points};
 /// n directions an estimate: where they come from and what they weigh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gather {
-    /// Directions an estimate, in 1 … [`MOST_DIRECTIONS`].
+    /// Directions an estimate, in 1 … `MOST_DIRECTIONS`.
     pub samples: u32,
+    /// Which estimator.
     pub method: GatherMethod,
+    /// Where its directions come from.
     pub points: Points,
+    /// Density of directions.
     pub pdf: GatherPdf,
+    /// Of the Gaussian process, where the method has one.
     pub covariance: GatherCovariance,
-    /// Point sets made beforehand, one of them drawn at each hit; in 1 … [`MOST_SETS`]. Not read for per-hit weights.
+    /// Point sets made beforehand, one of them drawn at each hit; in 1 … `MOST_SETS`. Not read for per-hit weights.
     pub sets: u32,
     /// Turns the set about the normal by a random angle at each hit.
     pub rotate: bool,
+    /// Whether hits share point sets.
     pub weights: GatherWeights,
+    /// How lights are found.
     pub lights: GatherLights,
 }
 
@@ -53,6 +59,7 @@ pub enum GatherMethod {
 }
 
 impl GatherMethod {
+    /// As scene files have it.
     pub fn name(self) -> &'static str {
         match self {
             GatherMethod::Mc => "mc",
@@ -87,11 +94,13 @@ pub enum GatherPdf {
 /// Where the covariance comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GatherCovariance {
+    /// As the scene says.
     Given(Covariance),
     /// The one of [`grid`](crate::estimate::bmc::grid) that best explains a fixed pilot of the scene.
     Fitted,
 }
 
+/// Which hits have the same points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GatherWeights {
     /// Points and weights are made anew at each hit.

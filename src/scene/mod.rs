@@ -44,14 +44,19 @@ pub use validate::InvalidScene;
 pub struct Scene {
     /// Where it came from: the path as the user gave it.
     pub name: String,
+    /// From where it is seen.
     pub camera: Camera,
+    /// In pixels.
     pub film: FilmSize,
+    /// How light is followed.
     pub integrator: Integrator,
+    /// Light from outside.
     pub environment: Option<Environment>,
     /// Lights without extent.
     pub delta_lights: Vec<DeltaLight>,
     /// All meshes, transformed and concatenated in file order.
     pub mesh: Mesh,
+    /// Numbered after the triangles.
     pub spheres: Vec<Sphere>,
     /// Indexed by [`Mesh::material`] and [`Sphere::material`].
     pub materials: Vec<Material>,
@@ -62,6 +67,7 @@ pub struct Scene {
 /// A thin-lens camera. `right = forward × up`; image row 0 is the top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
+    /// The centre of the lens.
     pub position: [f32; 3],
     /// Differs from `position`.
     pub look_at: [f32; 3],
@@ -78,12 +84,16 @@ pub struct Camera {
 /// Film size in pixels, each side in 1 … 65,536.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilmSize {
+    /// Columns.
     pub width: u32,
+    /// Rows.
     pub height: u32,
 }
 
+/// How light is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Integrator {
+    /// Which estimator or view.
     pub kind: IntegratorKind,
     /// Scattering events on a path: 0 emission only, 1 direct light, 2 one indirect bounce …
     pub max_bounces: u32,
@@ -122,23 +132,31 @@ impl Integrator {
     }
 }
 
+/// An estimator of radiance, or a view of the geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IntegratorKind {
+    /// Paths of up to `max_bounces` scattering events.
     Path,
+    /// Paths of one scattering event.
     Direct,
     /// At the first hit, n directions with the weights of an estimator.
     Gather,
     /// Ambient light, and lights without extent with their shadows: nothing is random but the camera's numbers.
     Phong,
+    /// Shading normals towards the viewer.
     Normals,
+    /// 1 − distance/`max_depth`, at least 0.
     Depth,
+    /// 1 where something is hit.
     Hit,
 }
 
+/// Radiance that comes in from outside the scene.
 #[derive(Clone, Debug)]
 pub enum Environment {
     /// The same radiance from everywhere.
     Constant([f32; 3]),
+    /// By direction.
     Image(EnvironmentImage),
 }
 
@@ -146,7 +164,9 @@ pub enum Environment {
 /// to [0, 1). Bilinear between texel centres, wrapping in u, clamped in v.
 #[derive(Clone, Debug)]
 pub struct EnvironmentImage {
+    /// Columns of texels.
     pub width: usize,
+    /// Rows of texels.
     pub height: usize,
     /// Row-major RGB radiance, already multiplied by the scene's `radiance`; finite and ≥ 0.
     pub texels: Vec<[f32; 3]>,
@@ -156,6 +176,7 @@ pub struct EnvironmentImage {
 
 /// A light without extent: no ray meets it. Strengths are ≥ 0, directions unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)] // fields: as the variant says
 pub enum DeltaLight {
     /// `intensity` in W·sr⁻¹.
     Point { position: [f32; 3], intensity: [f32; 3] },
@@ -190,6 +211,7 @@ impl DeltaLight {
 /// Triangles after their transform, winding flipped where the transform mirrors.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
+    /// Of vertices, in the scene's unit.
     pub positions: Vec<[f32; 3]>,
     /// Three indices into `positions` a triangle, in file order: the triangle's index is its identity.
     pub triangles: Vec<[u32; 3]>,
@@ -211,17 +233,23 @@ pub const NO_NORMAL: u32 = u32::MAX;
 /// In [`Mesh::texcoord_indices`]: this corner reads textures at (0, 0).
 pub const NO_TEXCOORD: u32 = u32::MAX;
 
+/// A sphere that emits and scatters on its outside; its inside is a surface, too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
+    /// In the scene's unit.
     pub center: [f32; 3],
     /// > 0.
     pub radius: f32,
+    /// Index into [`Scene::materials`].
     pub material: u32,
 }
 
+/// How a surface scatters, emits and lets rays pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
+    /// For people.
     pub name: String,
+    /// How it scatters.
     pub bsdf: Bsdf,
     /// Radiance from the front side: counter-clockwise triangles, outside of spheres. ≥ 0.
     pub emission: [f32; 3],
@@ -264,6 +292,7 @@ impl Material {
 
 /// How a surface scatters.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)] // fields: as the variant says
 pub enum Bsdf {
     /// Lambert: f = ρ/π, both sides. ρ in [0, 1].
     Diffuse { reflectance: [f32; 3] },
@@ -287,7 +316,9 @@ pub enum Masking {
     Separable,
 }
 
+/// Reflectance of a metal by angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)] // fields: as the variant says
 pub enum ConductorFresnel {
     /// Exact unpolarised Fresnel of the complex index η + ik per channel.
     Exact { eta: [f32; 3], k: [f32; 3] },

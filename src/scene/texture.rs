@@ -7,6 +7,7 @@ use std::sync::{Arc, LazyLock};
 pub struct Image {
     /// In texels, each side at least 1.
     pub width: u32,
+    /// In texels.
     pub height: u32,
     /// 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha.
     pub channels: usize,
@@ -14,6 +15,7 @@ pub struct Image {
     pub texels: Texels,
 }
 
+/// Values of an image.
 #[derive(Clone, PartialEq)]
 pub enum Texels {
     /// 0 … 255 means 0 … 1.
@@ -38,6 +40,7 @@ impl std::fmt::Debug for Texels {
 /// An image, and how it is read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
+    /// Shared by all that wear it.
     pub image: Arc<Image>,
     /// Are its colours (never its alpha, never floats) encoded by the sRGB curve?
     pub srgb: bool,
@@ -45,7 +48,9 @@ pub struct Texture {
     pub channel: Channel,
     /// The image is looked up at `scale · (u, v) + offset`, repeating; v = 0 is the bottom edge.
     pub scale: [f32; 2],
+    /// See [`Texture::scale`].
     pub offset: [f32; 2],
+    /// Where the image came from.
     pub file: FileName,
 }
 
@@ -65,9 +70,13 @@ impl std::fmt::Debug for FileName {
 pub enum Channel {
     /// The mean of red, green and blue.
     Mean,
+    /// The first.
     Red,
+    /// The second.
     Green,
+    /// The third.
     Blue,
+    /// Opacity.
     Alpha,
 }
 
@@ -90,6 +99,7 @@ pub struct Maps {
     pub opacity: Option<Texture>,
     /// The shading normal in tangent space, 2·(r, g, b) − 1, after its x and y are multiplied by `strength`.
     pub normal: Option<Texture>,
+    /// Factors of the normal map's x and y.
     pub strength: [f32; 2],
 }
 

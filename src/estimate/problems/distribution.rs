@@ -32,7 +32,7 @@ impl Integrand for Table {
     }
 }
 
-/// E[X] of a table of (value, probability).
+/// E\[X\] of a table of (value, probability).
 ///
 /// # Errors
 /// The table is empty, a probability is negative, or they do not sum to 1.

@@ -40,13 +40,17 @@ pub(super) struct Family {
 /// What was made, and whether it may be trusted.
 #[derive(Clone, Debug, Default, serde::Serialize)]
 pub struct GatherReport {
+    /// To make the tables.
     pub seconds: f64,
+    /// As scene files have it.
     pub method: &'static str,
+    /// A hit.
     pub directions: u32,
     /// Of Bayesian methods.
     pub covariance: Option<Covariance>,
     /// The covariances tried on the pilot, best first.
     pub evidence: Vec<Evidence>,
+    /// Point sets that hits share.
     pub sets: usize,
     /// p of the sets about the mirror direction.
     pub lobes: Vec<Measure>,

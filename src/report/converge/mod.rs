@@ -6,7 +6,7 @@
 //! them all. All variants of a budget and seed number use the same seed; no two budgets share one.
 //!
 //! What is measured, r being the reference, x_s the image of seed s, w = 1 or 1/(r² + 0.01), means over pixels and
-//! channels ([`statistics`]):
+//! channels (`statistics`):
 //!
 //! - mean w (x_s − r)² less what the reference's own noise adds ([`Noise`]): MSE (RMSE is its root) and relMSE;
 //! - bias² = mean w (E x − r)², from pairs of different seeds, less the reference's noise; variance is the rest;

@@ -46,7 +46,7 @@ pub struct Plan {
     pub first_seed: u64,
     /// `None`: one is made from the first variant's scene.
     pub reference: Option<PathBuf>,
-    /// Samples a pixel of a made reference; `None`: [`REFERENCE_FACTOR`] times the largest budget's.
+    /// Samples a pixel of a made reference; `None`: `REFERENCE_FACTOR` times the largest budget's.
     pub reference_samples: Option<u64>,
     pub folder: PathBuf,
     pub resume: bool,

@@ -28,7 +28,7 @@ pub struct Split {
     pub error: Estimate,
     /// mean w (E x − r)² less the reference's noise; unbiased, so it may be negative. Needs three seeds.
     pub bias_squared: Option<Estimate>,
-    /// mean w V[x]; needs three seeds.
+    /// mean w V\[x\]; needs three seeds.
     pub variance: Option<Estimate>,
     /// The largest value's share of the summed error of all seeds.
     pub largest_share: f64,
