@@ -21,10 +21,12 @@ impl FilmChannels {
         }
     }
 
+    /// Are first-hit features kept?
     pub const fn has_aovs(self) -> bool {
         !matches!(self, Self::Colour)
     }
 
+    /// Does it keep a posterior variance?
     pub const fn has_posterior(self) -> bool {
         matches!(self, Self::ColourAovsAndPosterior)
     }
