@@ -25,8 +25,11 @@ const FACES: usize = 6;
 
 /// What may receive light, in kernel units.
 pub struct Receivers<'a> {
+    /// Of vertices, in the kernel's unit.
     pub positions: &'a [[f32; 3]],
+    /// Three indices into the positions each.
     pub triangles: &'a [[u32; 3]],
+    /// Centre and radius, in the kernel's unit.
     pub spheres: &'a [([f32; 3], f32)],
 }
 
