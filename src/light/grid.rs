@@ -13,7 +13,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// Fewer area lights than this are chosen by power.
-pub const MANY_LIGHTS: usize = 16;
+pub const MANY_LIGHTS: usize = 3;
 /// Entries of all tables together, at most: 4.5 bytes each.
 const MOST_ENTRIES: usize = 1 << 22;
 /// Cells along the longest side of the bounds that are tried.
