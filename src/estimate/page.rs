@@ -3,6 +3,7 @@
 use super::method::Claim;
 use super::study::{Cell, Row, Study};
 use super::table::slope_text;
+use crate::film::shares::LARGEST_TRUSTED_OF_VALUE;
 use crate::report::fit::Estimate;
 use crate::report::page::{Block, Cell as TableCell, Page, Section, Table};
 use crate::report::plot::{Curve, Guide, Plot, Point, Scale};
@@ -70,7 +71,9 @@ pub fn page(study: &Study, notes: &[String], command: &str) -> Page {
         theory = theory.with(Block::Warning(warning));
     }
     let mut cells = Section::new("All cells").with(Block::prose(format!(
-        "z is the bias over its standard error: beyond {:.2} it is no chance (Šidák, 1 % for all cells together).",
+        "z is the bias over its standard error: beyond {:.2} it is no chance (Šidák, 1 % for all cells together). Held: how \
+         often the truth is within ±1.96 of an estimate's own standard errors of it; marked where it misses more than twice as \
+         often as 5 %. An RMSE is marked where one estimate makes up more than a tenth of the squared error.",
         study.z_bound
     )));
     for row in &study.rows {
@@ -91,6 +94,9 @@ fn warnings(study: &Study) -> Vec<String> {
         if let Some(cell) = row.cells.iter().find(|c| c.biased) {
             let what = if row.claim == Claim::Unbiased { "claims to be unbiased, and is not" } else { "is biased" };
             found.push(format!("{} {what}: {:+.3e} with n = {}.", row.method, cell.bias.value, cell.samples));
+        }
+        if let Some((cell, doubt)) = row.cells.iter().find_map(|c| Some((c, c.doubts().into_iter().next()?))) {
+            found.push(format!("{} with n = {}: {doubt}.", row.method, cell.samples));
         }
         if let Some((cell, note)) = row.cells.iter().find_map(|c| Some((c, c.note.as_ref()?))) {
             found.push(format!("{} with n = {}: {note}.", row.method, cell.samples));
@@ -116,7 +122,8 @@ fn slopes(study: &Study) -> Table {
 }
 
 fn table(row: &Row) -> Table {
-    let header = ["n", "mean", "bias", "± 95 %", "z", "RMSE", "MAE", "variance", "/ predicted", "own s.e.", "µs"];
+    let header =
+        ["n", "mean", "bias", "± 95 %", "z", "RMSE", "MAE", "variance", "/ predicted", "own s.e.", "held", "µs"];
     let mut table = Table::new(header).captioned(row.method.clone());
     for c in &row.cells {
         let optional = |v: Option<f64>| v.map_or("–".to_owned(), |v| format!("{v:.3e}"));
@@ -125,6 +132,7 @@ fn table(row: &Row) -> Table {
         let plain = |text: String| TableCell::from(text);
         let ratio =
             c.variance_ratio.map_or("–".to_owned(), |r| format!("{:.3} ± {:.3}", r.value, 0.5 * (r.hi - r.lo)));
+        let held = c.own_coverage.map_or("–".to_owned(), |held| format!("{:.1} %", 100.0 * held));
         let off = c.variance_ratio.is_some_and(|r| (r.value - 1.0).abs() > 4.0 * r.standard_error);
         table = table.row([
             plain(c.samples.to_string()),
@@ -132,11 +140,12 @@ fn table(row: &Row) -> Table {
             plain(format!("{:+.2e}", c.bias.value)),
             plain(half(&c.bias)),
             TableCell { text: z, flagged: c.biased },
-            plain(format!("{:.3e}", c.rmse.value)),
+            TableCell { text: format!("{:.3e}", c.rmse.value), flagged: c.largest_share > LARGEST_TRUSTED_OF_VALUE },
             plain(format!("{:.3e}", c.mae.value)),
             plain(format!("{:.3e}", c.variance)),
             TableCell { text: ratio, flagged: off },
             plain(optional(c.own_standard_error)),
+            TableCell { text: held, flagged: !c.own_interval_trusted },
             plain(format!("{:.3}", 1e6 * c.seconds)),
         ]);
     }

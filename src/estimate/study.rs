@@ -1,6 +1,7 @@
 //! A study: every method at every number of samples, many times over, held against the exact value.
 
 use super::method::{Claim, Method, Single};
+use crate::film::shares::LARGEST_TRUSTED_OF_VALUE;
 use crate::report::fit::{Estimate, PowerLaw, fit_power_law, median};
 use crate::report::sidak::sidak_bound;
 use crate::sampling::sample_key;
@@ -48,6 +49,12 @@ pub struct Cell {
     pub variance_ratio: Option<Estimate>,
     /// √ of the mean of the squared standard errors that the estimates gave of themselves.
     pub own_standard_error: Option<f64>,
+    /// How often the truth is within ±1.96 of an estimate's own standard errors of it: .95 where the central limit has set in.
+    pub own_coverage: Option<f64>,
+    /// False where that interval misses, beyond chance, more than twice as often as it says.
+    pub own_interval_trusted: bool,
+    /// The largest squared error's share of all: above [`LARGEST_TRUSTED_OF_VALUE`] RMSE and variance are those of a few estimates.
+    pub largest_share: f64,
     pub rmse: Estimate,
     pub mae: Estimate,
     /// Of a processor, for one estimate.
@@ -55,6 +62,20 @@ pub struct Cell {
     pub note: Option<String>,
     /// The first estimate.
     pub first: f64,
+}
+
+impl Cell {
+    /// Why its numbers may not be trusted, in words.
+    pub fn doubts(&self) -> Vec<String> {
+        let mut doubts = Vec::new();
+        if let Some(held) = self.own_coverage.filter(|_| !self.own_interval_trusted) {
+            doubts.push(format!("its own 95 % intervals hold the truth in {:.1} %", 100.0 * held));
+        }
+        if self.largest_share > LARGEST_TRUSTED_OF_VALUE {
+            doubts.push(format!("one estimate makes up {:.0} % of the squared error", 100.0 * self.largest_share));
+        }
+        doubts
+    }
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -90,6 +111,8 @@ fn judge(mut study: Study) -> Study {
     study.z_bound = sidak_bound(study.rows.iter().map(tested).sum::<usize>() as u64);
     for cell in study.rows.iter_mut().flat_map(|row| &mut row.cells) {
         cell.biased = cell.z.is_some_and(|z| z.abs() > study.z_bound);
+        let chance = study.z_bound * (LEAST_COVERAGE * (1.0 - LEAST_COVERAGE) / cell.repeats as f64).sqrt();
+        cell.own_interval_trusted = cell.own_coverage.is_none_or(|held| held >= LEAST_COVERAGE - chance);
     }
     study
 }
@@ -163,12 +186,36 @@ fn cell(quantity: &Quantity, samples: usize, singles: &[Single], predicted_varia
             .filter(|&p| p > 0.0 && p.is_finite())
             .and_then(|p| ratio(&values, mean.value, p)),
         own_standard_error: own.map(|sum| (sum / repeats as f64).sqrt()),
+        own_coverage: coverage(quantity, singles),
+        own_interval_trusted: true,
+        largest_share: largest_share(&squares),
         rmse: exactly_known(Estimate::mean(&squares).sqrt(), repeats),
         mae: exactly_known(Estimate::mean(&sizes), repeats),
         seconds: 0.0,
         note: None,
         first: values.first().copied().unwrap_or(f64::NAN),
     }
+}
+
+/// Misses twice as often as an interval of 95 % should.
+const LEAST_COVERAGE: f64 = 0.9;
+/// P(|Z| ≤ this) = .95.
+const NORMAL_95: f64 = 1.959_963_985;
+
+/// `None` where estimates have no idea of their error.
+fn coverage(quantity: &Quantity, singles: &[Single]) -> Option<f64> {
+    let held = |s: &Single| {
+        let off = (s.value - quantity.exact).abs() - quantity.exact_error;
+        // A rounding is no miss.
+        Some(off <= NORMAL_95 * s.standard_error? + 1e-14 * quantity.exact.abs())
+    };
+    let held: Vec<bool> = singles.iter().map(held).collect::<Option<_>>()?;
+    Some(held.iter().filter(|&&held| held).count() as f64 / held.len().max(1) as f64)
+}
+
+fn largest_share(squares: &[f64]) -> f64 {
+    let sum: f64 = squares.iter().sum();
+    if squares.len() > 1 && sum > 0.0 { squares.iter().fold(0.0, |a: f64, &b| a.max(b)) / sum } else { 0.0 }
 }
 
 /// What a value may owe to the error of the exact one is not its own bias.

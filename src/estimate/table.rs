@@ -18,7 +18,8 @@ impl fmt::Display for Study {
         for row in &self.rows {
             write_row(f, row)?;
         }
-        writeln!(f, "\nbias: |z| > {:.2} is beyond chance among all cells of this table (Šidák, 1 %)", self.z_bound)
+        writeln!(f, "\nbias: |z| > {:.2} is beyond chance among all cells of this table (Šidák, 1 %)", self.z_bound)?;
+        writeln!(f, "held: how often the truth is within ±1.96 of an estimate's own standard errors of it")
     }
 }
 
@@ -29,14 +30,27 @@ fn write_row(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         Claim::Deterministic => ", deterministic",
     };
     writeln!(f, "\n{}{claim}", row.method)?;
-    let header =
-        ["n", "estimate 1", "mean", "bias ± 95 %", "z", "RMSE", "MAE", "variance", "/ predicted", "own s.e.", "µs"];
-    let widths = [7, 14, 14, 22, 8, 11, 11, 11, 16, 10, 9];
+    let header = [
+        "n",
+        "estimate 1",
+        "mean",
+        "bias ± 95 %",
+        "z",
+        "RMSE",
+        "MAE",
+        "variance",
+        "/ predicted",
+        "own s.e.",
+        "held",
+        "µs",
+    ];
+    let widths = [7, 14, 14, 22, 8, 11, 11, 11, 16, 10, 7, 9];
     header.iter().zip(widths).try_for_each(|(h, w)| write!(f, "{h:>w$} "))?;
     writeln!(f)?;
     for cell in &row.cells {
         cells(row, cell).iter().zip(widths).try_for_each(|(text, w)| write!(f, "{text:>w$} "))?;
-        writeln!(f, "{}", cell.note.as_deref().map_or(String::new(), |note| format!(" {note}")))?;
+        let notes = cell.note.iter().cloned().chain(cell.doubts()).collect::<Vec<_>>();
+        writeln!(f, "{}{}", if notes.is_empty() { "" } else { " " }, notes.join("; "))?;
     }
     if let Some(slope) = &row.slope {
         writeln!(f, "  RMSE ∝ n^{}{}", slope_text(slope), in_time(row))?;
@@ -55,7 +69,7 @@ pub(super) fn slope_text(law: &PowerLaw) -> String {
 }
 
 /// What a cell shows, in the order of the header.
-fn cells(row: &Row, cell: &Cell) -> [String; 11] {
+fn cells(row: &Row, cell: &Cell) -> [String; 12] {
     let optional = |value: Option<f64>| value.map_or(String::new(), |v| format!("{v:.3e}"));
     let half = 0.5 * (cell.bias.hi - cell.bias.lo);
     let bias = if cell.repeats > 1 {
@@ -79,6 +93,7 @@ fn cells(row: &Row, cell: &Cell) -> [String; 11] {
         format!("{:.4e}", cell.variance),
         cell.variance_ratio.map_or(String::new(), |r| format!("{:.3} ± {:.3}", r.value, 0.5 * (r.hi - r.lo))),
         optional(cell.own_standard_error),
+        cell.own_coverage.map_or(String::new(), |held| format!("{:.1} %", 100.0 * held)),
         format!("{:.3}", 1e6 * cell.seconds),
     ]
 }
@@ -86,7 +101,7 @@ fn cells(row: &Row, cell: &Cell) -> [String; 11] {
 /// One line a cell.
 pub fn csv(study: &Study) -> String {
     let mut text = "method,samples,repeats,mean,bias,bias_lo,bias_hi,z,biased,rmse,rmse_lo,rmse_hi,mae,variance,\
-                    predicted_variance,own_standard_error,seconds\n"
+                    predicted_variance,own_standard_error,own_coverage,largest_share,seconds\n"
         .to_owned();
     let optional = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
     for row in &study.rows {
@@ -94,7 +109,7 @@ pub fn csv(study: &Study) -> String {
             // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
-                "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
+                "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
                 row.method,
                 c.samples,
                 c.repeats,
@@ -111,6 +126,8 @@ pub fn csv(study: &Study) -> String {
                 c.variance,
                 optional(c.predicted_variance),
                 optional(c.own_standard_error),
+                optional(c.own_coverage),
+                c.largest_share,
                 c.seconds
             );
         }

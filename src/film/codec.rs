@@ -2,7 +2,8 @@
 //!
 //! A tile: number of the next sample (u64), dropped samples and AOVs (2 × u64), how many of them are remembered (u32)
 //! and each of these (x, y: u32, sample: u64), number of nodes (u32), each node (level: u32, index: u64, sums: f64),
-//! then the sums of the unfinished block where there is one.
+//! then the sums of the unfinished block where there is one, and, where there are samples, the largest of each pixel and channel
+//! (f32).
 
 use std::io::{self, Read, Write};
 
@@ -45,7 +46,9 @@ impl Film {
 
     /// Bytes that [`Film::encode`] writes.
     pub fn encoded_bytes(&self) -> u64 {
-        let sums = |tile: &TileFilm| (tile.whole.nodes.len() as u64 + 1) * sum_bytes(tile.rect(), self.channels());
+        let sums = |tile: &TileFilm| {
+            (tile.whole.nodes.len() as u64 + 1) * sum_bytes(tile.rect(), self.channels()) + largest_bytes(tile.rect())
+        };
         self.tiles().iter().map(|tile| LEAST_TILE_BYTES + sums(tile)).sum()
     }
 
@@ -71,6 +74,10 @@ fn sum_bytes(rect: Rect, channels: FilmChannels) -> u64 {
     8 * rect.pixels() as u64 * channels.stride() as u64
 }
 
+fn largest_bytes(rect: Rect) -> u64 {
+    12 * rect.pixels() as u64
+}
+
 fn encode_tile(tile: &TileFilm, out: &mut impl Write, scratch: &mut Vec<u8>) -> io::Result<()> {
     let Discarded { count, aov_count, first } = &tile.discarded;
     for value in [tile.next_sample, *count, *aov_count] {
@@ -93,7 +100,15 @@ fn encode_tile(tile: &TileFilm, out: &mut impl Write, scratch: &mut Vec<u8>) -> 
         out.write_all(&index.to_le_bytes())?;
         put(sums, out)?;
     }
-    if tile.is_inside_block() { put(&tile.partial, out) } else { Ok(()) }
+    if tile.is_inside_block() {
+        put(&tile.partial, out)?;
+    }
+    if tile.samples() == 0 {
+        return Ok(());
+    }
+    scratch.clear();
+    scratch.extend(tile.largest.as_flattened().iter().flat_map(|value| value.to_le_bytes()));
+    out.write_all(scratch)
 }
 
 fn decode_tile<R: Read>(tile: &mut TileFilm, source: &mut Source<'_, R>) -> Result<(), String> {
@@ -120,6 +135,7 @@ fn decode_tile<R: Read>(tile: &mut TileFilm, source: &mut Source<'_, R>) -> Resu
     }
     tile.whole = whole;
     tile.partial = if tile.is_inside_block() { source.sums(sums)? } else { Vec::new() };
+    tile.largest = if tile.samples() > 0 { source.largest(tile.rect())? } else { Vec::new() };
     Ok(())
 }
 
@@ -153,10 +169,21 @@ impl<R: Read> Source<'_, R> {
         self.array().map(u64::from_le_bytes)
     }
 
+    fn largest(&mut self, rect: Rect) -> Result<Vec<[f32; 3]>, String> {
+        self.bytes(largest_bytes(rect))?;
+        let values: Vec<f32> = self.scratch.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
+        Ok(values.as_chunks::<3>().0.to_vec())
+    }
+
+    /// So many bytes into the scratch.
+    fn bytes(&mut self, count: u64) -> Result<(), String> {
+        self.take(count)?;
+        self.scratch.resize(count as usize, 0);
+        self.input.read_exact(&mut self.scratch).map_err(|error| error.to_string())
+    }
+
     fn sums(&mut self, count: usize) -> Result<Vec<f64>, String> {
-        self.take(8 * count as u64)?;
-        self.scratch.resize(8 * count, 0);
-        self.input.read_exact(&mut self.scratch).map_err(|error| error.to_string())?;
+        self.bytes(8 * count as u64)?;
         Ok(self.scratch.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
     }
 }

@@ -29,9 +29,16 @@ impl Film {
             };
             to.whole = BlockTree { nodes: nodes.map(node).collect() };
             to.partial = if first.partial.is_empty() { Vec::new() } else { self.sums_of(to, |from| &from.partial) };
+            to.largest = self.largest_of(to);
             to.discarded = if i == 0 { self.discarded() } else { Discarded::default() };
         }
         Some(film)
+    }
+
+    fn largest_of(&self, to: &TileFilm) -> Vec<[f32; 3]> {
+        let rect = to.rect();
+        let rows = rect.y..rect.y + rect.height;
+        rows.flat_map(|y| (rect.x..rect.x + rect.width).map(move |x| self.largest(x, y))).collect()
     }
 
     /// Sums of the pixels of a tile, from the tiles here that hold them.

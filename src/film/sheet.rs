@@ -83,6 +83,11 @@ impl Film {
         &self.tiles[(y / self.tile) as usize * self.tiles_across as usize + (x / self.tile) as usize]
     }
 
+    /// See [`TileFilm::largest`].
+    pub fn largest(&self, x: u32, y: u32) -> [f32; 3] {
+        self.tile_at(x, y).largest(x, y)
+    }
+
     /// See [`PixelSums::mean`].
     pub fn mean(&self, x: u32, y: u32) -> [f64; 3] {
         self.pixel(x, y).mean()

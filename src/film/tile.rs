@@ -39,6 +39,8 @@ pub struct TileFilm {
     pub(super) whole: BlockTree,
     /// Sums of the block that holds `next_sample`, pixel after pixel; at a block's start zeros, or not allocated.
     pub(super) partial: Vec<f64>,
+    /// Largest sample of each pixel and channel, in size; allocated with the first block.
+    pub(super) largest: Vec<[f32; 3]>,
     pub(super) next_sample: u64,
     pub(super) discarded: Discarded,
 }
@@ -51,6 +53,7 @@ impl TileFilm {
             channels,
             whole: BlockTree::default(),
             partial: Vec::new(),
+            largest: Vec::new(),
             next_sample: first_block * BLOCK,
             discarded: Discarded::default(),
         }
@@ -128,6 +131,11 @@ impl TileFilm {
         PixelSums::new(self.samples(), &total, self.channels)
     }
 
+    /// The largest sample of one pixel, channel by channel, in size; 0 without samples.
+    pub fn largest(&self, x: u32, y: u32) -> [f32; 3] {
+        self.largest.get(self.rect.index_of(x, y)).copied().unwrap_or_default()
+    }
+
     /// Takes over the samples of the same tile that were rendered elsewhere. The bits are those of one tile that was
     /// given all the samples; ranges may come in any order and leave gaps.
     ///
@@ -150,6 +158,9 @@ impl TileFilm {
         self.whole.absorb(other.whole)?;
         if !self.is_inside_block() {
             self.partial = other.partial;
+        }
+        for (largest, theirs) in self.largest.iter_mut().zip(other.largest) {
+            *largest = larger(*largest, theirs);
         }
         self.next_sample = self.next_sample.max(other.next_sample);
         self.discarded.absorb(&other.discarded);
@@ -186,6 +197,9 @@ impl TileFilm {
         if self.partial.is_empty() {
             self.partial = vec![0.0; self.rect.pixels() * self.channels.stride()];
         }
+        if self.largest.is_empty() {
+            self.largest = vec![[0.0; 3]; self.rect.pixels()];
+        }
     }
 
     fn finish_block_if_full(&mut self) {
@@ -196,10 +210,14 @@ impl TileFilm {
 
     fn add_radiance(&mut self, part: Part, radiance: &[[f32; 3]]) {
         let stride = self.channels.stride();
-        for (pixel, sums) in self.partial.chunks_exact_mut(stride).enumerate() {
+        let pixels = self.partial.chunks_exact_mut(stride).zip(&mut self.largest);
+        for (pixel, (sums, largest)) in pixels.enumerate() {
             let slots = part.slots(pixel, radiance);
             let Some(sums) = sums.first_chunk_mut() else { continue };
-            if sum_finite(sums, slots) {
+            let all_finite = sum_finite(sums, slots);
+            let finite = slots.iter().filter(|slot| all_finite || is_finite(slot));
+            *largest = finite.fold(*largest, |largest, slot| larger(largest, slot.map(f32::abs)));
+            if all_finite {
                 continue;
             }
             let (column, row) = (pixel as u32 % self.rect.width, pixel as u32 / self.rect.width);
@@ -268,6 +286,11 @@ fn add_slots(mut sums: [f64; COLOUR_SUMS], slots: &[[f32; 3]]) -> [f64; COLOUR_S
         }
     }
     sums
+}
+
+/// Channel by channel, of finite numbers.
+fn larger(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|c| if b[c] > a[c] { b[c] } else { a[c] })
 }
 
 fn is_finite(radiance: &[f32; 3]) -> bool {

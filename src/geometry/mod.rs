@@ -26,7 +26,9 @@ mod triangle;
 pub use ray::{Hit, MISS, Ray};
 pub use rows::{Rows, SphereAt, SphereRows, TriangleAt, TriangleRows};
 pub use slab::{BOX_MARGIN, Bounds};
-pub use spawn::{SurfacePoint, offset_origin, point_shadow_ray, shadow_ray, sphere_point, triangle_point};
+pub use spawn::{
+    SurfacePoint, inner_weights, offset_origin, point_shadow_ray, shadow_ray, sphere_point, triangle_point,
+};
 pub use sphere::intersect_sphere;
 pub use triangle::{Edges, RaySetup, SharedEdge, Shear, Vertices, first_of_pair, second_of_pair};
 pub use triangle::{edges, largest, own_box, pass_edges, plane_normal};

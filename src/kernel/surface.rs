@@ -3,7 +3,7 @@
 use super::maps;
 use super::material::MaterialAt;
 use super::world::World;
-use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin, sphere_point, triangle_point};
+use crate::geometry::{Hit, Ray, SurfacePoint, inner_weights, offset_origin, sphere_point, triangle_point};
 use crate::lane::{Mask, Real, Vec3};
 
 /// The least cosine between the viewer and a shading normal that does not face him: about 89°.
@@ -35,8 +35,9 @@ impl<R: Real> Surface<R> {
         }
         let on_triangle = active & !on_sphere;
         let triangle = world.triangles.fetch::<R>(hit.primitive, on_triangle);
+        let (u, v) = inner_weights(&triangle, hit.u, hit.v);
         let mut surface = Surface {
-            at: triangle_point(&triangle, hit.u, hit.v),
+            at: triangle_point(&triangle, u, v),
             ng: triangle.ng,
             ns: triangle.ng,
             material: MaterialAt::black(),

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 8] = b"OCTOLUXS";
 /// Raised when the bytes change their meaning.
-const FORM: u32 = 1;
+const FORM: u32 = 2;
 /// The head is some hundred bytes and a file name.
 const LONGEST_HEAD: u32 = 1 << 16;
 /// Bytes around head and sums.

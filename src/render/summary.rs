@@ -1,7 +1,7 @@
 //! What a render reports: the JSON file, and the lines a person reads at the end.
 
 use super::{Options, Outcome, StoppedBy};
-use crate::film::Discarded;
+use crate::film::{Discarded, SampleShares};
 use crate::kernel::{Counters, Setup, World};
 use crate::plan::Plan;
 use crate::process::{peak_memory_bytes, seconds_since_process_start};
@@ -35,6 +35,9 @@ pub struct Summary {
     /// What the estimator itself does to it; `None` where its samples are unbiased.
     pub note: Option<&'static str>,
     pub relative_error: Option<f64>,
+    /// May it, and the variances, be relied on?
+    pub sample_shares: Option<SampleShares>,
+    pub relative_error_trusted: Option<bool>,
     /// Reading the scene and building what the kernel reads.
     pub setup_seconds: f64,
     pub load_seconds: f64,
@@ -70,6 +73,8 @@ impl Summary {
     pub fn new(name: &str, world: &World, options: &Options, threads: usize, outcome: &Outcome, times: Times) -> Self {
         let counters = outcome.counters;
         let render_seconds = outcome.render_seconds + times.pilot;
+        let relative_error = outcome.film.relative_error();
+        let sample_shares = relative_error.map(|error| outcome.film.sample_shares(error));
         let discarded: Discarded = outcome.film.discarded();
         let lanes = options.width.lanes();
         Summary {
@@ -90,7 +95,9 @@ impl Summary {
             stopped_by: outcome.stopped_by,
             claim: outcome.stopped_by.claim(),
             note: world.integrator.note(),
-            relative_error: outcome.film.relative_error(),
+            relative_error,
+            sample_shares,
+            relative_error_trusted: sample_shares.map(|shares| shares.error_trusted()),
             setup_seconds: times.setup + times.load,
             load_seconds: times.load,
             setup: world.setup.clone(),
@@ -155,6 +162,9 @@ impl fmt::Display for Summary {
                 ""
             };
             writeln!(f, "relative error {e:.5}{bound}")?;
+        }
+        if let Some(shares) = self.sample_shares {
+            write!(f, "{shares}")?;
         }
         if self.discarded_samples > 0 {
             let (x, y, s) = self.discarded_first.first().copied().unwrap_or_default();

@@ -1,10 +1,10 @@
 //! Studies: variances as predicted, slopes as known, biases found where they are and nowhere else, one set of bits.
 
 use super::{cell, study};
-use crate::stats::z_bound;
-use octolux::estimate::method::Claim;
+use crate::stats::{Rng, oracle, z_bound};
+use octolux::estimate::method::{Claim, Method, Prepared, Single};
 use octolux::estimate::problems::{Problem, cube, discrete, hemisphere, interval, pi};
-use octolux::estimate::study::Study;
+use octolux::estimate::study::{Budget, Quantity, Study, run};
 use octolux::kernel::Width;
 
 const W: Width = Width::Eight;
@@ -162,4 +162,34 @@ fn monte_carlo_overtakes_quadrature_as_dimensions_grow() {
     };
     assert!(rmse(2, "trapezoid") < rmse(2, "mc") && rmse(12, "trapezoid") > rmse(12, "mc"));
     assert!(rmse(6, "owen") < rmse(6, "mc"));
+}
+
+/// One value in a thousand carries everything: the coverage of its own intervals is the oracle's, and it is told.
+#[test]
+fn intervals_from_rare_hits_cover_as_they_must_and_are_flagged() {
+    let quantity =
+        Quantity { name: "rare".into(), formula: String::new(), exact: 1.0, exact_error: 0.0, source: String::new() };
+    const P: f64 = 1e-3;
+    let method = Method::new("hits", Claim::Unbiased, |n| {
+        Some(Prepared::new(n, move |key, _| {
+            let mut rng = Rng::new(key);
+            let hits = (0..n).filter(|_| rng.f64() < P).count() as f64;
+            let n = n as f64;
+            let value = hits / n / P;
+            let variance = (hits / P / P - n * value * value) / (n - 1.0);
+            Single { value, standard_error: Some((variance / n).sqrt()) }
+        }))
+    });
+    let cases = [("3", 3_000, true), ("10", 10_000, false), ("30", 30_000, false), ("0.1", 100, true)];
+    let budget = Budget { samples: cases.map(|c| c.1).to_vec(), repeats: 4000, seed: 3 };
+    let study = run(quantity, &[method], &budget, &|| false);
+    for ((id, n, flagged), cell) in cases.into_iter().zip(&study.rows[0].cells) {
+        let Some(case) = oracle(&format!("H.ci_coverage_lam{id}")) else { return };
+        let held = cell.own_coverage.expect("standard errors");
+        // Le Cam: within P of Poisson's law in probability; 4,000 estimates.
+        let bound = z_bound(4) * (case.value * (1.0 - case.value) / 4000.0).sqrt() + P;
+        assert!((held - case.value).abs() <= bound, "{n}: {held} not {}", case.value);
+        assert_eq!(cell.own_interval_trusted, !flagged, "{n}: {held}");
+        assert_eq!(cell.doubts().iter().any(|d| d.contains("95 % intervals")), flagged, "{:?}", cell.doubts());
+    }
 }

@@ -5,6 +5,7 @@ mod discarded;
 mod exr;
 mod files;
 mod png;
+mod shares;
 mod state;
 mod sums;
 mod variance;

@@ -1,7 +1,7 @@
 //! Reports: statistics of error curves against closed forms and simulation, plots, pages.
 
 mod converge;
-mod coverage;
+pub mod coverage;
 mod fit;
 mod page;
 mod plot;

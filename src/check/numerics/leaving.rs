@@ -5,7 +5,7 @@ use super::rays::{OneRay, closest};
 use super::shapes::{Placed, Shape};
 use super::{Effort, Row};
 use crate::accel::{Brute, BuildOptions, Stream};
-use crate::geometry::{MISS, Ray, TriangleRows, offset_origin, triangle_point};
+use crate::geometry::{MISS, Ray, TriangleAt, TriangleRows, inner_weights, offset_origin, triangle_point};
 use crate::kernel::World;
 use crate::lane::{Bits, Vec3, f32x16};
 use crate::plan::GeometryMode;
@@ -23,11 +23,16 @@ pub fn rows(effort: Effort) -> Vec<Row> {
     for (case, center) in [("at the origin", [0.0; 3]), ("100 sizes from it", [100.0, -37.0, 61.0])] {
         let rooms_of = |shape: &Shape| sizes.iter().map(|&s| shape.placed(center, 1.0, s)).collect::<Vec<_>>();
         let tell = |name: &str| format!("{name} of 1e-6 … 1e7 units {case}");
-        let never = |name: &str, (tried, leaks): (u64, u64)| Row::never(GROUP, tell(name), tried, leaks, "leaks");
-        rows.push(never("box, grazing bounces", leaks(&rooms_of(&cube), rooms, grazing)));
-        rows.push(never("convex ball, grazing bounces", leaks(&rooms_of(&convex), rooms, grazing)));
-        rows.push(never("dented ball, diffuse bounces", leaks(&rooms_of(&dented), rooms, diffuse)));
-        rows.push(never("dented ball, grazing bounces", leaks(&rooms_of(&dented), rooms, grazing)));
+        let mut never = |name: &str, shape: &Shape, scatter: Scatter| {
+            let (tried, found) = leaks(&rooms_of(shape), rooms, scatter, inner_weights);
+            let (_, naive) = leaks(&rooms_of(shape), rooms, scatter, |_, u, v| (u, v));
+            let row = Row::never(GROUP, tell(name), tried, found, "leaks");
+            rows.push(row.naive(format!("from the hit itself: {naive}")));
+        };
+        never("box, grazing bounces", &cube, grazing);
+        never("convex ball, grazing bounces", &convex, grazing);
+        never("dented ball, diffuse bounces", &dented, diffuse);
+        never("dented ball, grazing bounces", &dented, grazing);
     }
     rows
 }
@@ -86,10 +91,12 @@ fn diffuse(rng: &mut Random, n: [f32; 3]) -> [f32; 3] {
 }
 
 type Scatter = fn(&mut Random, [f32; 3]) -> [f32; 3];
+/// From the weights of a hit to those of the point to leave from.
+type Weights = fn(&TriangleAt<f32>, f32, f32) -> (f32, f32);
 
 /// Paths that bounce in closed rooms: from a hit, off the surface to the side it was hit from, on in any direction.
 /// One that meets nothing has leaked. Returns bounces and leaks.
-fn leaks(rooms: &[Placed], rays: usize, scatter: Scatter) -> (u64, u64) {
+fn leaks(rooms: &[Placed], rays: usize, scatter: Scatter, weights: Weights) -> (u64, u64) {
     const BOUNCES: usize = 32;
     let paths = rays / BOUNCES / rooms.len();
     let mut found = [0u64; 2];
@@ -102,7 +109,7 @@ fn leaks(rooms: &[Placed], rays: usize, scatter: Scatter) -> (u64, u64) {
             let mut found = [0u64; 2];
             for _ in 0..BOUNCES {
                 found[0] += ways.len() as u64;
-                found[1] += bounce(&world, &mut ways, &mut rng, start, scatter);
+                found[1] += bounce(&world, &mut ways, (&mut rng, start), scatter, weights);
             }
             found
         };
@@ -114,7 +121,13 @@ fn leaks(rooms: &[Placed], rays: usize, scatter: Scatter) -> (u64, u64) {
 }
 
 /// Moves each ray on to its next; returns how many met nothing. Those start again at `start`.
-fn bounce(world: &World, ways: &mut [OneRay], rng: &mut Random, start: [f32; 3], scatter: Scatter) -> u64 {
+fn bounce(
+    world: &World,
+    ways: &mut [OneRay],
+    (rng, start): (&mut Random, [f32; 3]),
+    scatter: Scatter,
+    weights: Weights,
+) -> u64 {
     let hits = closest::<f32x16, Stream>(world, ways);
     let mut leaks = 0;
     for (way, hit) in ways.iter_mut().zip(&hits) {
@@ -130,7 +143,8 @@ fn bounce(world: &World, ways: &mut [OneRay], rng: &mut Random, start: [f32; 3],
         if side(d) == side(way.d) {
             d = d.map(|x| -x);
         }
-        let point = triangle_point(&at, hit.2, hit.3);
+        let (u, v) = weights(&at, hit.2, hit.3);
+        let point = triangle_point(&at, u, v);
         let o = offset_origin(point.p, point.error, at.ng, Vec3::splat(d));
         *way = OneRay { o: o.lane(0), d };
     }
