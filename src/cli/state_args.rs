@@ -33,8 +33,11 @@ fn parse_samples(text: &str) -> Result<Range<u64>, String> {
     if !range.start.is_multiple_of(BLOCK) {
         return Err(format!("starts at {}: start at a multiple of {BLOCK}", range.start));
     }
-    if range.is_empty() || range.end > MAX_SAMPLES {
-        return Err(format!("holds no samples below {MAX_SAMPLES}: let A be less than B"));
+    if range.end > MAX_SAMPLES {
+        return Err(format!("a pixel has the samples 0 to {}: let B be {MAX_SAMPLES} at most", MAX_SAMPLES - 1));
+    }
+    if range.is_empty() {
+        return Err("holds no samples: let A be less than B".to_string());
     }
     Ok(range)
 }

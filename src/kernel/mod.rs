@@ -27,7 +27,7 @@ pub use camera::Camera;
 pub use gather::GatherReport;
 pub use illumination::{PixelPoint, Technique};
 pub(crate) use material::AllModels;
-pub use path::Traversal;
+pub use path::{Traversal, mis_weight};
 pub(crate) use path::light_ray;
 pub(crate) use pattern::look_up as look_up_pattern;
 pub use probe::{Lanes, NoProbe, Probe, Record, Recorder, Stage};

@@ -145,7 +145,7 @@ pub(super) fn same_side<R: Real>(a: R, b: R) -> R::Mask {
 /// Power heuristic for one sample of each technique, in the form that neither over- nor underflows: pdfs up to 1e30
 /// and infinity (a delta: weight 1) are fine.
 #[inline(always)]
-pub(super) fn mis_weight<R: Real>(pdf: R, other: R) -> R {
+pub fn mis_weight<R: Real>(pdf: R, other: R) -> R {
     let ratio = other / pdf;
     ratio.mul_add(ratio, R::one()).recip()
 }

@@ -62,8 +62,8 @@ fn conductor() {
 
 #[test]
 fn narrow_conductor() {
-    for (alpha, power) in [(0.02, 3.0), (0.002, 5.0)] {
-        for mu in [1.0, 0.6] {
+    for (alpha, power) in [(0.1, 2.0), (0.02, 3.0), (0.002, 5.0), (1e-3, 6.0), (1.01e-4, 8.0)] {
+        for mu in [1.0, 0.6, 0.1] {
             let (lanes, scalar) = (white_metal(alpha, false), white_metal(alpha, false));
             let wo = at::<f32>(mu, 0.7).lane(0).map(f64::from);
             let axis = [-wo[0], -wo[1], wo[2]];

@@ -65,7 +65,7 @@ fn samples_follow_the_density() {
         }
     }
     chi2("phong from below".into(), &phong::<f32x8>(0.3, 0.7, 8.0), &phong::<f32>(0.3, 0.7, 8.0), -0.6, |test| test);
-    for (n, power) in [(1e4, 4.0), (1e6, 6.0)] {
+    for (n, power) in [(1e4, 4.0), (1e6, 6.0), (1e7, 7.0)] {
         let wo = to_f64(at::<f32>(0.6, 0.7).lane(0));
         let (lanes, scalar) = (phong::<f32x8>(0.0, 1.0, n), phong::<f32>(0.0, 1.0, n));
         chi2(format!("phong {n}"), &lanes, &scalar, 0.6, |test| {

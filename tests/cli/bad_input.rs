@@ -118,6 +118,43 @@ fn images_that_lie() {
     assert!(lit(&scratch).contains("sky.exr"));
 }
 
+/// Textures: cut, of another kind, a folder, and headers that claim a terabyte.
+#[test]
+fn textures_that_lie() {
+    let scratch = Scratch::new();
+    let worn = |scratch: &Scratch, file: &str| {
+        let mtl = format!("newmtl a\nKd 1 1 1\nmap_Kd {file}\n");
+        std::fs::write(scratch.path("worn.mtl"), mtl).unwrap();
+        let obj = "mtllib worn.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n";
+        let said = refused_text(scratch, "worn.obj", obj);
+        assert!(said.contains("worn.mtl:3") && said.contains(file), "{said}");
+    };
+    let output = scratch.run(&["render", "scene.toml", "--png", "t.png", "--spp", "1", "--size", "64x64"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let whole = std::fs::read(scratch.path("t.png")).unwrap();
+    for bytes in [&whole[..0], &whole[..20], &whole[..whole.len() / 2]] {
+        std::fs::write(scratch.path("t.png"), bytes).unwrap();
+        worn(&scratch, "t.png");
+    }
+    for side in [1u32 << 19, 1 << 20, u32::MAX >> 1] {
+        let mut claimed = whole.clone();
+        claimed[16..20].copy_from_slice(&side.to_be_bytes());
+        claimed[20..24].copy_from_slice(&side.to_be_bytes());
+        // With the header's checksum made right: CRC-32 of ISO 3309.
+        let crc = !claimed[12..29].iter().fold(!0u32, |crc, &byte| {
+            (0..8).fold(crc ^ u32::from(byte), |crc, _| crc >> 1 ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 })
+        });
+        claimed[29..33].copy_from_slice(&crc.to_be_bytes());
+        std::fs::write(scratch.path("t.png"), claimed).unwrap();
+        worn(&scratch, "t.png");
+    }
+    std::fs::write(scratch.path("t.png"), "<svg/>").unwrap();
+    worn(&scratch, "t.png");
+    std::fs::create_dir(scratch.path("folder.png")).unwrap();
+    worn(&scratch, "folder.png");
+    worn(&scratch, "nowhere.png");
+}
+
 /// An output that is a folder, and one in a folder that is a file: nothing is rendered, nothing written.
 #[test]
 fn outputs_that_cannot_be_written() {

@@ -1,6 +1,8 @@
 //! Bad input: one clear line, exit code 2, nothing written.
 
 use super::{Scratch, text};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestRunner};
 
 /// Runs a command that must be refused, and returns its one line.
 fn refused(scratch: &Scratch, arguments: &[&str]) -> String {
@@ -67,4 +69,93 @@ fn arguments_out_of_range_are_refused() {
     ] {
         refused(&scratch, arguments);
     }
+}
+
+/// Sample indices have 32 bits: what asks for more is told so.
+#[test]
+fn more_samples_than_there_are_indices() {
+    let scratch = Scratch::new();
+    for arguments in [
+        &["render", "scene.toml", "--spp", "4294967297"][..],
+        &["render", "scene.toml", "--samples", "4294967296..4294967360"],
+        &["render", "scene.toml", "--samples", "0..4294967297"],
+        &["converge", "scene.toml", "-o", "d", "--spp", "4294967297"],
+        &["replay", "scene.toml", "--pixel", "1,1", "--sample", "4294967296"],
+    ] {
+        let said = refused(&scratch, arguments);
+        assert!(
+            said.lines().next().is_some_and(|line| line.contains("4294967296") || line.contains("4294967295")),
+            "{arguments:?}: {said}"
+        );
+    }
+    // The last one there is.
+    let last = ["render", "scene.toml", "--samples", "4294967232..4294967296", "-o", "a.exr", "--size", "2x2"];
+    assert!(scratch.run(&last).status.success());
+}
+
+/// What a user may type for a number: refused with exit code 2 and one line of what is wrong, or taken.
+#[test]
+fn no_argument_panics() {
+    let scratch = Scratch::new();
+    let mut runner = TestRunner::new(Config { cases: 150, failure_persistence: None, ..Config::default() });
+    let piece = prop::sample::select(vec![
+        "",
+        "0",
+        "1",
+        "64",
+        "-1",
+        "..",
+        "x",
+        ",",
+        ":",
+        ".",
+        "e",
+        "nan",
+        "inf",
+        "4294967296",
+        "18446744073709551616",
+        "1e400",
+        "0x10",
+        " ",
+        "\u{e9}",
+        "\u{7}",
+        "128",
+        "=",
+        "\n",
+        "1..2",
+        "3x3",
+    ]);
+    let text = prop::collection::vec(piece, 0..5).prop_map(|pieces| pieces.concat());
+    let options = [
+        ("render", "--size"),
+        ("render", "--samples"),
+        ("render", "--time"),
+        ("render", "--spp"),
+        ("render", "--error"),
+        ("render", "--save-every"),
+        ("render", "--ladder"),
+        ("replay", "--pixel"),
+        ("converge", "--times"),
+        ("converge", "--spp"),
+        ("converge", "--variants"),
+        ("estimate", "--samples"),
+        ("bench", "--lanes"),
+    ];
+    let arguments = (text, prop::sample::select(options.to_vec()));
+    let outcome = runner.run(&arguments, |(text, (command, option))| {
+        let subject = if command == "estimate" { "pi" } else { "absent.toml" };
+        let given = format!("{option}={text}");
+        // Nothing is rendered: the scene is not there, which is said where the argument itself is good.
+        let output = scratch.run(&[command, subject, &given, "-o", "none", "--json", "none/none.json"]);
+        let said = super::text(&output.stderr);
+        let message = said.split("\n\n").next().unwrap_or_default();
+        prop_assert!(
+            output.status.code() == Some(2) || (command == "estimate" && output.status.success()),
+            "{given}: {said}"
+        );
+        prop_assert!(!said.contains("panicked"), "{given}: {said}");
+        prop_assert!(message.trim_end().lines().count() <= 2 || text.contains('\n'), "{given}: {said}");
+        Ok(())
+    });
+    outcome.unwrap_or_else(|error| panic!("{error}"));
 }

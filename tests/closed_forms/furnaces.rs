@@ -3,8 +3,9 @@
 use super::{TESTS, rounding};
 use crate::renders::{self, Set, assert_image_mean};
 use crate::stats;
+use octolux::bsdf::ALPHA_MIN;
 use octolux::film::Film;
-use octolux::scene::{self, Bsdf, ConductorFresnel, FilmSize, Masking};
+use octolux::scene::{self, Bsdf, ConductorFresnel, Environment, EnvironmentImage, FilmSize, Masking};
 use std::path::Path;
 
 const SEED: u64 = 12;
@@ -51,6 +52,39 @@ fn mirrors_and_black_bodies_are_exact() {
             assert_eq!(film.mean(x, y), expected.map(f64::from));
             assert_eq!(film.variance_of_mean(x, y), Some([0.0; 3]));
         }
+    }
+}
+
+/// Where α passes the bound below which the lobe is a mirror the image does not jump: a direction turns by πα on average, as the
+/// facets' slopes have the mean πα/2, and the sky's radiance changes by no more than its gradient times that. The same numbers
+/// place both renders' camera rays.
+#[test]
+fn the_image_does_not_jump_where_a_lobe_becomes_a_mirror() {
+    const ROWS: usize = 4;
+    const SAMPLES: u64 = 4096;
+    let radiance = [1.0f32, 0.2, 0.9, 0.1];
+    let texels = (0..ROWS).flat_map(|row| [[radiance[row]; 3]; 2]).collect();
+    let sky = Environment::Image(EnvironmentImage { width: 2, height: ROWS, texels, rotation: 0.0 });
+    let gradient = 0.8 * ROWS as f64 / std::f64::consts::PI;
+    let image = |alpha: f32| {
+        let mut set = Set::new([0.0, 0.0, 4.0], [0.0; 3], 20.0, 16).bounces(1).environment(sky.clone());
+        let material = set.material(metal(alpha, Masking::Correlated, [1.0; 3]), [0.0; 3]);
+        set.sphere(material, [0.0; 3], 1.0);
+        renders::film(&renders::world(&set.finish(), SEED), SAMPLES)
+    };
+    let largest = |a: &Film, b: &Film| {
+        let pixels = (0..16).flat_map(|y| (0..16).map(move |x| (x, y)));
+        pixels.map(|(x, y)| (a.mean(x, y)[0] - b.mean(x, y)[0]).abs()).fold(0.0, f64::max)
+    };
+    let mirror = image(ALPHA_MIN.next_down());
+    let contrast = largest(&mirror, &image(0.5));
+    assert!(contrast > 0.1, "there is something to see: {contrast}");
+    for alpha in [ALPHA_MIN, 1e-3] {
+        // The mean of 4096 turns is within 4 of its standard errors; slopes have a standard deviation near their mean.
+        let turn = std::f64::consts::PI * f64::from(alpha) * (1.0 + 4.0 / (SAMPLES as f64).sqrt());
+        let jump = largest(&mirror, &image(alpha));
+        assert!(jump <= gradient * turn + rounding(1.0, 1), "α {alpha}: {jump:e}, {:e} allowed", gradient * turn);
+        assert!(jump > 0.0, "α {alpha} is a mirror");
     }
 }
 

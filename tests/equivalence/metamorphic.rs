@@ -2,6 +2,8 @@
 
 use super::{assert_same, scenes};
 use crate::renders;
+use octolux::plan::Force;
+use octolux::sampling::SamplerKind;
 use octolux::scene::{DeltaLight, Scene};
 
 const SAMPLES: u64 = 16;
@@ -36,6 +38,19 @@ fn powers_of_two_do_not_show() {
         for k in [-66, -24, -1, 3, 24, 66].into_iter().filter(|k: &i32| k.abs() < 60 || !intensities) {
             let found = renders::film(&renders::world(&scaled(&scene, k), SEED), SAMPLES);
             assert_same(&format!("{name}, scaled by 2^{k}"), &found, &expected);
+        }
+    }
+}
+
+#[test]
+fn powers_of_two_do_not_show_with_sobol_points_either() {
+    for (name, scene) in [("lambert room", scenes::lambert_room()), ("sky", scenes::spheres_under_a_sky())] {
+        let of = |scene: &Scene| {
+            renders::film(&renders::sampled(scene, SEED, Force::default(), SamplerKind::Sobol), SAMPLES)
+        };
+        let expected = of(&scene);
+        for k in [-66, -1, 24] {
+            assert_same(&format!("{name}, scaled by 2^{k}"), &of(&scaled(&scene, k)), &expected);
         }
     }
 }

@@ -5,6 +5,7 @@ use crate::renders::{self, How, film_on, forced};
 use octolux::kernel::Width;
 use octolux::plan::{Force, GeometryMode, Plan, Shading};
 use octolux::render::thread_pool;
+use octolux::sampling::SamplerKind;
 
 const SAMPLES: u64 = 16;
 const SEED: u64 = 21;
@@ -29,6 +30,30 @@ fn every_kernel_gives_the_general_scalar_kernels_bits() {
             for width in Width::ALL {
                 let found = film_on(&pool, &world, SAMPLES, How { width, tile: 16 });
                 assert_same(&format!("{name}, {what}, {} lanes", width.lanes()), &found, &expected);
+            }
+        }
+    }
+}
+
+/// The same with the other sampler, on scenes that together draw every kind of number.
+#[test]
+fn sobol_points_leave_no_trace_either() {
+    let pool = thread_pool(2).expect("threads");
+    let general = Force { general: true, geometry: Some(GeometryMode::Tree) };
+    for (name, scene) in [
+        ("everything", scenes::everything()),
+        ("lambert room", scenes::lambert_room()),
+        ("images", scenes::images()),
+        ("stage lights", scenes::stage_lights(true)),
+    ] {
+        let world = |force| renders::sampled(&scene, SEED, force, SamplerKind::Sobol);
+        let expected = film_on(&thread_pool(1).expect("a thread"), &world(general), SAMPLES, scalar());
+        let independent = film_on(&pool, &forced(&scene, SEED, general), SAMPLES, scalar());
+        assert_ne!(bits(&expected), bits(&independent), "{name}: the sampler is not the other one");
+        for width in Width::ALL {
+            for (force, tile) in [(general, 7), (Force::default(), 16), (Force::default(), 1)] {
+                let found = film_on(&pool, &world(force), SAMPLES, How { width, tile });
+                assert_same(&format!("{name}, {force:?}, tile {tile}, {} lanes", width.lanes()), &found, &expected);
             }
         }
     }

@@ -6,6 +6,7 @@ use octolux::film::{Film, FilmChannels};
 use octolux::kernel::Counters;
 use octolux::render::StoppedBy;
 use octolux::render::state::{Head, Origin, State};
+use proptest::prelude::*;
 use std::path::Path;
 
 fn xxh64(parts: &[&[u8]]) -> u64 {
@@ -142,5 +143,39 @@ fn another_version_is_refused_and_so_is_another_scene() {
         change(&mut other);
         let said = origin.admit(&other, path).expect_err(what).to_string();
         assert!(said.contains(what), "{said}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Behind the checksums: sums that read as a film are written again to the same bytes, others are refused.
+    #[test]
+    fn no_mutation_of_the_sums_panics(
+        edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        cut in any::<prop::sample::Index>(),
+        truncate in any::<bool>(),
+        aovs in any::<bool>(),
+    ) {
+        let film = film(if aovs { FilmChannels::ColourAndAovs } else { FilmChannels::Colour });
+        let mut bytes = Vec::new();
+        film.encode(&mut bytes).expect("memory");
+        for (at, value) in edits {
+            let at = at.index(2 * bytes.len());
+            let at = if at < bytes.len() { at } else { at % 64 };
+            bytes[at] = value;
+        }
+        if truncate {
+            bytes.truncate(cut.index(bytes.len()));
+        }
+        match Film::decode(film.shape(), &mut &*bytes, bytes.len() as u64) {
+            Ok(mut back) => {
+                let mut again = Vec::new();
+                back.encode(&mut again).expect("memory");
+                prop_assert_eq!(again, bytes);
+                let _ = back.merge(film);
+            }
+            Err(error) => prop_assert!(!error.is_empty() && !error.contains(char::is_control), "{error:?}"),
+        }
     }
 }

@@ -96,7 +96,7 @@ fn totals() {
 /// relative to the least cell's share of the mean (1/4 again), and a dozen roundings.
 #[test]
 fn sample_and_pdf_agree() {
-    for (width, height) in [(8, 4), (5, 3), (64, 32), (1024, 512), (4096, 1024)] {
+    for (width, height) in [(8, 4), (5, 3), (64, 32), (1024, 512), (4096, 1024), (16_384, 256)] {
         let image = noise(width, height, 0.5, 2.0, 8);
         let lights = image_lights(&image);
         let mut rng = Rng::new(9);
@@ -139,6 +139,45 @@ fn one_bright_texel() {
         let moments: Moments = (0..50_000).map(one).collect();
         let tolerance = if row == 0 { delta * delta } else { 0.0 };
         assert_mean(id, &moments, case.value * factor, case.value * (32.0 * ULP + tolerance), TESTS);
+    }
+}
+
+/// 16,384 columns: the density's integral (bilinear over a cell in u and v, so its value in the middle of each is exact), and
+/// light from one texel at either side of the seam and at the pole, none of which a sample misses.
+#[test]
+fn sixteen_thousand_columns() {
+    let (width, height) = (16_384, 256);
+    let lights = image_lights(&noise(width, height, 0.0, 1.0, 16));
+    let mut mass = 0.0;
+    for j in 0..=height {
+        let edge = |j: f64| j.clamp(0.0, height as f64) / height as f64;
+        let (v0, v1) = (edge(j as f64 - 0.5), edge(j as f64 + 0.5));
+        let (sin, cos) = (0.5 * PI * (v0 + v1)).sin_cos();
+        for c in 0..width {
+            let (sin_phi, cos_phi) = (TAU * (c as f64 + 1.0) / width as f64).sin_cos();
+            let d = vec1(f32s([sin * sin_phi, cos, -sin * cos_phi]));
+            mass += f64::from(lights.environment(d).1) * 2.0 * PI * PI * sin * (v1 - v0) / width as f64;
+        }
+    }
+    assert!((mass - 1.0).abs() <= 2.0 * ULP * (width + height + 8) as f64, "∫pdf = {mass}");
+    let (step, turn) = (PI / height as f64, TAU / width as f64);
+    for (row, column) in [(128, 0), (128, 16_383), (1, 16_383), (0, 5), (255, 8192)] {
+        let lit = image(width, height, |r, c| [if (r, c) == (row, column) { 1e6 } else { 0.0 }; 3]);
+        let lights = image_lights(&lit);
+        // The hat of a texel: turn wide, and high ∫(1 − |t|/Δ) sin(θ + t) dt; constant between a row of centres and its pole.
+        let theta = step * (row as f64 + 0.5);
+        let polar = row == 0 || row == height - 1;
+        let hat = 2.0 * (1.0 - step.cos()) / step * theta.sin();
+        let far = (0.5 * step).cos() - ((1.5 * step).sin() - (0.5 * step).sin()) / step;
+        let exact = 1e6 * turn * if polar { 1.0 - (0.5 * step).cos() + far } else { hat };
+        let mut rng = Rng::new(17);
+        let one = |_| {
+            let s = draw(&lights, [0.0; 3], &mut rng);
+            assert!(s.pdf > 0.0 && s.radiance.x > 0.0, "{s:?}");
+            f64::from(s.radiance.x) / f64::from(s.pdf)
+        };
+        let moments: Moments = (0..20_000).map(one).collect();
+        assert_mean(&format!("texel {row}, {column}"), &moments, exact, exact * 2.0 * ULP * width as f64, TESTS);
     }
 }
 

@@ -1,5 +1,7 @@
 //! The catalogue of `octolux check --numerics` at its shortest: every case, fewer samples.
 
+mod naive;
+
 use octolux::check::numerics::{self, Effort, Row, ulp};
 use octolux::render;
 

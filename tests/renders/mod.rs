@@ -10,6 +10,7 @@ use octolux::film::Film;
 use octolux::kernel::{Prepare, Width, World};
 use octolux::plan::{Force, Plan};
 use octolux::render::{self, Budget, Options, Progress};
+use octolux::sampling::SamplerKind;
 use octolux::scene::Scene;
 use std::sync::OnceLock;
 
@@ -20,7 +21,12 @@ pub fn world(scene: &Scene, seed: u64) -> World {
 
 /// The scene prepared with something forced.
 pub fn forced(scene: &Scene, seed: u64, force: Force) -> World {
-    let options = Prepare { seed, ..Prepare::default() };
+    sampled(scene, seed, force, SamplerKind::Independent)
+}
+
+/// The same with a sampler of one's choice.
+pub fn sampled(scene: &Scene, seed: u64, force: Force, sampler: SamplerKind) -> World {
+    let options = Prepare { seed, sampler, ..Prepare::default() };
     World::new(scene, Plan::new(scene, force, false), options).expect("the scene's lights fit the light table")
 }
 

@@ -2,6 +2,7 @@
 
 use octolux::accel::Preset;
 use octolux::report::bench_rays::{BenchRaysArgs, TraceMode, bench_rays};
+use proptest::prelude::*;
 use std::path::Path;
 
 fn args(data: &Path) -> BenchRaysArgs {
@@ -97,4 +98,35 @@ fn an_empty_scene_is_timed_too() {
     std::fs::write(dir.path().join("s.tri"), words(b"TRI0", &[0], &[])).unwrap();
     let report = bench_rays(&args(&data)).unwrap();
     assert!(report.sets.iter().all(|set| set.hits == 0));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_mutation_of_the_files_panics(
+        edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        cut in any::<prop::sample::Index>(),
+        truncate in any::<bool>(),
+        rays in any::<bool>(),
+    ) {
+        let dir = tempfile::tempdir().unwrap();
+        let data = write_scene(dir.path());
+        let path = dir.path().join(if rays { "s.P.rays" } else { "s.tri" });
+        let mut bytes = std::fs::read(&path).unwrap();
+        for (at, value) in edits {
+            // The headers, and as often anything.
+            let at = at.index(2 * bytes.len());
+            let at = if at < bytes.len() { at } else { at % 16 };
+            bytes[at] = value;
+        }
+        if truncate {
+            bytes.truncate(cut.index(bytes.len()));
+        }
+        std::fs::write(&path, bytes).unwrap();
+        let one = BenchRaysArgs { sets: vec!["P".into()], lanes: vec![8], threads: vec![1], modes: vec![TraceMode::Packet], ..args(&data) };
+        if let Err(error) = bench_rays(&one) {
+            prop_assert!(!error.to_string().contains(char::is_control), "{error:?}");
+        }
+    }
 }

@@ -52,6 +52,24 @@ fn modes_widths_and_trees_agree() {
     }
 }
 
+/// A ray's answer does not depend on its lane, nor on what the other lanes hold.
+#[test]
+fn lanes_may_be_permuted() {
+    let mut rng = Random::new(7);
+    let shapes = Shapes::random(900, 30, 0.1, &mut rng);
+    let accel = shapes.everything(Preset::Medium);
+    let rays = random_rays(4096, &mut rng);
+    let expected = ask_all(&[&accel], &rays);
+    for _ in 0..4 {
+        // Fisher and Yates.
+        let mut order: Vec<usize> = (0..rays.len()).collect();
+        (1..rays.len()).rev().for_each(|i| order.swap(i, rng.below(i + 1)));
+        let permuted: Vec<OneRay> = order.iter().map(|&i| rays[i]).collect();
+        let found = ask_all(&[&accel], &permuted);
+        assert!(order.iter().zip(found).all(|(&i, found)| found == expected[i]));
+    }
+}
+
 #[test]
 fn only_spheres() {
     let mut rng = Random::new(2);

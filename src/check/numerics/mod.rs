@@ -16,7 +16,7 @@ mod rays;
 mod rooms;
 mod row;
 mod scattering;
-mod shapes;
+pub mod shapes;
 mod sums;
 mod two_arguments;
 pub mod ulp;

@@ -1,47 +1,61 @@
-//! Random numbers: below 1, and uncorrelated between whatever stands beside each other.
+//! Random numbers of both samplers: below 1, and uncorrelated between whatever stands beside each other.
 
 use super::{Effort, Row};
 use crate::lane::{Real, f32x8};
-use crate::sampling::{Xoshiro, dimensions, sample_key};
+use crate::sampling::{Sampler, SamplerKind, dimensions};
 use rayon::prelude::*;
 
 const GROUP: &str = "random numbers";
+/// Of a bounce, those that paths draw.
+const DRAWN: usize = dimensions::OPACITY + 1;
 /// Dimensions compared: the camera's and the first bounce's.
-const DIMENSIONS: usize = dimensions::CAMERA + dimensions::BOUNCE;
-/// Dimensions × relations are 80 tests: below this at 1 % of false alarms together (Šidák).
-const LARGEST_Z: f64 = 3.889;
+const DIMENSIONS: usize = dimensions::CAMERA + DRAWN;
+/// Dimensions × relations × samplers are 108 tests: below this at 1 % of false alarms together (Šidák).
+const LARGEST_Z: f64 = 3.91;
 
-/// The keys of two samples that stand beside each other.
-type Beside = fn(u32) -> [u64; 2];
+/// A sample: seed, pixel, index.
+type Sample = (u64, u32, u32);
+/// Two samples that stand beside each other.
+type Beside = fn(u32) -> [Sample; 2];
 
 pub fn rows(effort: Effort) -> Vec<Row> {
     let pairs = effort.pick(1 << 17, 1 << 22, 1 << 27);
     let beside: [(&str, Beside); 4] = [
-        ("neighbouring pixels", |k| [sample_key(1, 2 * k, 3), sample_key(1, 2 * k + 1, 3)]),
-        ("consecutive samples", |k| [sample_key(1, 77, 2 * k), sample_key(1, 77, 2 * k + 1)]),
-        ("seeds one apart", |k| [sample_key(1, k, 3), sample_key(2, k, 3)]),
-        ("a pixel's sample and the sample's pixel", |k| [sample_key(1, k, k / 2 + 1), sample_key(1, k / 2 + 1, k)]),
+        ("neighbouring pixels", |k| [(1, 2 * k, 3), (1, 2 * k + 1, 3)]),
+        ("seeds one apart", |k| [(1, k, 3), (2, k, 3)]),
+        ("a pixel's sample and the sample's pixel", |k| [(1, k, k / 2 + 1), (1, k / 2 + 1, k)]),
+        // Of Sobol' points those of one pixel are to differ from each other: that is what they are for.
+        ("consecutive samples", |k| [(1, 77, 2 * k), (1, 77, 2 * k + 1)]),
     ];
-    let mut rows = vec![below_one(pairs)];
-    rows.extend(beside.into_iter().map(|(name, keys)| correlation(name, pairs, keys)));
-    rows.push(dimension_to_dimension(pairs));
+    let mut rows = Vec::new();
+    for (kind, relations) in [(SamplerKind::Independent, 4), (SamplerKind::Sobol, 3)] {
+        rows.push(below_one(kind, pairs));
+        rows.extend(beside[..relations].iter().map(|(name, samples)| correlation(kind, name, pairs, *samples)));
+        rows.push(dimension_to_dimension(kind, pairs));
+    }
     rows
 }
 
 /// Lanes are samples: eight pairs at a time.
-fn draws(keys: impl FnMut(usize) -> u64) -> [f32x8; DIMENSIONS] {
-    let mut rng = Xoshiro::<f32x8>::from_keys(keys);
-    let (camera, bounce) = (rng.camera_dims(), rng.bounce_dims());
+fn draws(kind: SamplerKind, sample: impl Fn(usize) -> Sample) -> [f32x8; DIMENSIONS] {
+    let mut sampler = Sampler::<f32x8>::idle();
+    for lane in 0..8 {
+        let (seed, pixel, index) = sample(lane);
+        sampler.seed_lane(kind, lane, seed, pixel, index);
+    }
+    let (camera, bounce) = (sampler.camera_dims(kind, true), sampler.bounce_dims(kind, f32x8::zero()));
     std::array::from_fn(|d| if d < dimensions::CAMERA { camera[d] } else { bounce[d - dimensions::CAMERA] })
 }
 
-fn below_one(samples: u32) -> Row {
+fn below_one(kind: SamplerKind, samples: u32) -> Row {
     let wrong = |k: u32| {
-        let u = draws(|i| sample_key(9, 8 * k + i as u32, 0));
+        // Indices from both ends of the 2³² there are.
+        let u = draws(kind, |i| (9, (8 * k + i as u32) / 64, if i % 2 == 0 { k } else { !k }));
         u.iter().filter(|u| !(u.lowest() >= 0.0 && u.highest() < 1.0)).count() as u64
     };
     let wrong = (0..samples / 8).into_par_iter().map(wrong).sum();
-    Row::never(GROUP, "all in [0, 1)", u64::from(samples) * DIMENSIONS as u64, wrong, "numbers outside")
+    let case = format!("{}: all in [0, 1)", kind.name());
+    Row::never(GROUP, case, u64::from(samples) * DIMENSIONS as u64, wrong, "numbers outside")
         .naive("u32 · 2⁻³² in f32: 1 for the largest 128")
 }
 
@@ -56,24 +70,24 @@ fn product(a: f32x8, b: f32x8) -> f64 {
     (0..8).map(|i| (f64::from(a.lane(i)) - 0.5) * (f64::from(b.lane(i)) - 0.5)).sum()
 }
 
-fn row(name: &str, pairs: u32, z: f64) -> Row {
+fn row(kind: SamplerKind, name: &str, pairs: u32, z: f64) -> Row {
     let seen = LARGEST_Z / f64::from(pairs).sqrt();
-    let case = format!("{name}: correlations from {seen:.1e} up");
+    let case = format!("{}, {name}: correlations from {seen:.1e} up", kind.name());
     Row::new(GROUP, case, u64::from(pairs), z, LARGEST_Z, "standard errors")
 }
 
-fn correlation(name: &str, pairs: u32, keys: Beside) -> Row {
+fn correlation(kind: SamplerKind, name: &str, pairs: u32, samples: Beside) -> Row {
     let z = largest_z(pairs, |k| {
-        let (a, b) = (draws(|i| keys(8 * k + i as u32)[0]), draws(|i| keys(8 * k + i as u32)[1]));
+        let [a, b] = [0, 1].map(|one| draws(kind, |i| samples(8 * k + i as u32)[one]));
         std::array::from_fn(|d| product(a[d], b[d]))
     });
-    row(name, pairs, z)
+    row(kind, name, pairs, z)
 }
 
-fn dimension_to_dimension(pairs: u32) -> Row {
+fn dimension_to_dimension(kind: SamplerKind, pairs: u32) -> Row {
     let z = largest_z(pairs, |k| {
-        let u = draws(|i| sample_key(4, 8 * k + i as u32, 1));
+        let u = draws(kind, |i| (4, 8 * k + i as u32, 1));
         std::array::from_fn(|d| product(u[d], u[(d + 1) % DIMENSIONS]))
     });
-    row("a dimension and the next", pairs, z)
+    row(kind, "a dimension and the next", pairs, z)
 }
