@@ -38,8 +38,12 @@ pub fn run(args: &MergeArgs) -> Result<bool, CliError> {
     drop(phase);
     if !args.quiet {
         let (samples, parts) = (whole.film.samples(), args.parts.len());
-        let error = whole.film.relative_error().map_or(String::new(), |e| format!(", relative error {e:.5}"));
+        let relative_error = whole.film.relative_error();
+        let error = relative_error.map_or(String::new(), |e| format!(", relative error {e:.5}"));
         eprintln!("{samples} samples per pixel from {parts} states{error}");
+        if let Some(e) = relative_error {
+            eprint!("{}", whole.film.sample_shares(e));
+        }
     }
     Ok(true)
 }

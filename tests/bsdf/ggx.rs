@@ -159,13 +159,11 @@ fn the_furnace_at_every_decade() {
                 let values: Moments = (0..SAMPLES / 8).map(|_| next().0).collect();
                 // Grazing samples are above the horizon or below by the last bits of their slope: as the mirror's 4 ulp of μ.
                 let horizon = 4.0 * ULP / mu.max(f64::from(alpha));
-                assert_mean(
-                    &format!("α {alpha}, μ {mu}, {masking:?}"),
-                    &values,
-                    exact,
-                    16.0 * ULP + horizon + 2e-7,
-                    TESTS,
-                );
+                // A loss that so few samples hardly meet: weights are in [0, 1], so their variance is at most 1 − E.
+                let (loss, n) = (1.0 - exact, (SAMPLES / 8) as f64);
+                let rare = if loss * n < 100.0 { 4.0 * (loss.max(0.0) / n).sqrt() } else { 0.0 };
+                let rounding = 16.0 * ULP + horizon + rare + 2e-7;
+                assert_mean(&format!("α {alpha}, μ {mu}, {masking:?}"), &values, exact, rounding, TESTS);
             }
         }
     }

@@ -72,17 +72,16 @@ fn the_image_does_not_jump_where_a_lobe_becomes_a_mirror() {
         set.sphere(material, [0.0; 3], 1.0);
         renders::film(&renders::world(&set.finish(), SEED), SAMPLES)
     };
-    let largest = |a: &Film, b: &Film| {
+    let difference = |a: &Film, b: &Film| {
         let pixels = (0..16).flat_map(|y| (0..16).map(move |x| (x, y)));
-        pixels.map(|(x, y)| (a.mean(x, y)[0] - b.mean(x, y)[0]).abs()).fold(0.0, f64::max)
+        pixels.map(|(x, y)| (a.mean(x, y)[0] - b.mean(x, y)[0]).abs()).sum::<f64>() / 256.0
     };
     let mirror = image(ALPHA_MIN.next_down());
-    let contrast = largest(&mirror, &image(0.5));
-    assert!(contrast > 0.1, "there is something to see: {contrast}");
+    let contrast = difference(&mirror, &image(0.5));
+    assert!(contrast > 0.03, "there is something to see: {contrast}");
     for alpha in [ALPHA_MIN, 1e-3] {
-        // The mean of 4096 turns is within 4 of its standard errors; slopes have a standard deviation near their mean.
-        let turn = std::f64::consts::PI * f64::from(alpha) * (1.0 + 4.0 / (SAMPLES as f64).sqrt());
-        let jump = largest(&mirror, &image(alpha));
+        let turn = std::f64::consts::PI * f64::from(alpha);
+        let jump = difference(&mirror, &image(alpha));
         assert!(jump <= gradient * turn + rounding(1.0, 1), "α {alpha}: {jump:e}, {:e} allowed", gradient * turn);
         assert!(jump > 0.0, "α {alpha} is a mirror");
     }
