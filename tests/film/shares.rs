@@ -127,7 +127,7 @@ fn shares_of_a_small_image() {
     assert!((shares.largest_of_error - exact).abs() < 1e-12, "{}", shares.largest_of_error);
     assert!(!shares.error_trusted());
     let said = shares.to_string();
-    assert!(said.contains("pixel 2,1, makes up 93.75 %") && said.contains("5.56 % of values"), "{said}");
+    assert!(said.contains("pixel 2,1, 93.75 % of its square") && said.contains("5.56 % of values"), "{said}");
 }
 
 /// Like the sums: whatever the tiles, the passes, the order of the parts.
