@@ -16,8 +16,8 @@ pub const LARGEST_TRUSTED_OF_VALUE: f64 = 0.1;
 pub const LARGEST_TRUSTED_OF_ERROR: f64 = 0.01;
 
 /// Of the squared relative error, at values of which one sample has more than [`LARGEST_TRUSTED_OF_VALUE`]: it then says little
-/// of what it has not met. Simulated with exponentials of normal values of deviation σ, the squared error is found too small by
-/// .88, .73, .54, .18, .03 at 64 samples and σ = 1, 1.25, 1.5, 2, 2.5, where doubtful values make up 63, 88, 97, 99.8 and 100 % of
+/// of what it has not met. Simulated with exponentials of normal values of deviation σ, the squared error is found to be
+/// .88, .73, .54, .18, .03 of itself at 64 samples and σ = 1, 1.25, 1.5, 2, 2.5, where doubtful values make up 63, 88, 97, 99.8 and 100 % of
 /// it; of exponential values, whose squared error is found at .99, they make up 12 %.
 pub const MOST_TRUSTED_DOUBTFUL: f64 = 0.75;
 
