@@ -24,6 +24,7 @@ pub const MOST_TRUSTED_DOUBTFUL: f64 = 0.75;
 /// See the [module](self). A value is a channel of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct SampleShares {
+    /// Values of the image: three a pixel.
     pub values: u64,
     /// The largest sample's part of the squared relative error ([`Film::relative_error`]), 0 … 1.
     pub largest_of_error: f64,
