@@ -32,7 +32,7 @@ pub trait Light: Sync {
 
     /// Radiance that comes in along the unit direction `wi` from outside the scene, and the density with which
     /// [`Light::sample`] draws `wi` (from whatever point). Zeros by default.
-    fn from_outside<R: Real>(&self, _wi: Vec3<R>) -> (Vec3<R>, R) {
+    fn outside<R: Real>(&self, _wi: Vec3<R>) -> (Vec3<R>, R) {
         (Vec3::zero(), R::zero())
     }
 }

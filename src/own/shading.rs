@@ -196,7 +196,7 @@ impl<B: Bsdf, L: Light> Shade for Own<B, L> {
         if !L::SHINES {
             return (radiance, pdf);
         }
-        let (own, own_pdf) = self.light.from_outside(direction);
+        let (own, own_pdf) = self.light.outside(direction);
         (radiance + own, own_pdf.mul_add(R::splat(Self::share(world)), self.shared(world, pdf)))
     }
 }

@@ -24,12 +24,12 @@ const ROUNDING: f64 = 0.02;
 /// Eye height as a fraction of a room's: about 1.6 m under a ceiling at 2.6 m.
 const EYE_HEIGHT: f64 = 0.6;
 /// Side of the panel that lights a room, as a fraction of the room's.
-const PANEL_SIDE: f64 = 0.5;
+const PANEL_SIDE: f64 = 0.4;
 /// From the ceiling to the panel, as a fraction of the room's height.
 const PANEL_GAP: f64 = 0.01;
-/// What the panel gives the middle of the room: two thirds of what a constant environment of radiance 1 does, as walls
-/// reflect some more.
-const PANEL_IRRADIANCE: f64 = 0.67 * PI;
+/// What the panel gives the middle of the room: a little more than a constant environment of radiance 1 does, as walls get
+/// less.
+const PANEL_IRRADIANCE: f64 = 1.2 * PI;
 /// How far back from the middle towards the wall the camera stands in a room.
 const STEP_BACK: f64 = 0.8;
 

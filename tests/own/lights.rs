@@ -17,7 +17,7 @@ impl Light for EvenSky {
         let distance = R::splat(f32::INFINITY);
         Arrival { wi, distance, radiance: Vec3::splat(self.0), pdf, delta: R::Mask::splat(false) }
     }
-    fn from_outside<R: Real>(&self, _wi: Vec3<R>) -> (Vec3<R>, R) {
+    fn outside<R: Real>(&self, _wi: Vec3<R>) -> (Vec3<R>, R) {
         (Vec3::splat(self.0), warp::uniform_sphere_pdf())
     }
 }
