@@ -2,7 +2,7 @@
 
 use super::field::Field;
 use crate::estimate::rules::Gauss;
-use crate::lane::{Real, Vec3};
+use crate::lane::{MAX_WIDTH, Real, Vec3, math};
 use crate::sampling::{ONE_BELOW, sample_key};
 use std::f64::consts::TAU;
 
@@ -83,14 +83,13 @@ impl Learned {
     /// A direction's cosθ and φ/2π, and its density. Lane by lane, so that it is the same at any width.
     #[inline(always)]
     pub fn sample<R: Real>(&self, u: [R; 2]) -> (R, R, R) {
-        let mut found = [R::zero(); 3].map(|_| [0.0f32; crate::lane::MAX_WIDTH]);
-        for lane in 0..R::WIDTH {
+        let mut found = [[0.0f32; 3]; MAX_WIDTH];
+        for (lane, found) in found.iter_mut().enumerate().take(R::WIDTH) {
             let ([cos, turn], density) = self.invert(u.map(|u| f64::from(u.lane(lane))));
             // Rounding may reach 1, which is no position in a turn.
-            (found[0][lane], found[1][lane]) = (cos as f32, (turn as f32).min(ONE_BELOW));
-            found[2][lane] = density as f32;
+            *found = [cos as f32, (turn as f32).min(ONE_BELOW), density as f32];
         }
-        let [cos, turn, density] = found.map(|values| R::from_fn(|lane| values[lane]));
+        let [cos, turn, density] = [0, 1, 2].map(|k| R::from_fn(|lane| found[lane][k]));
         (cos, turn, density)
     }
 
@@ -138,6 +137,6 @@ fn direction(cell: usize, [x, y]: [f64; 2]) -> [f64; 3] {
 pub fn spherical<R: Real>(cos: R, turn: R) -> Vec3<R> {
     let cos = cos.min_or(R::splat(ONE_BELOW));
     let sin = ((R::one() - cos) * (R::one() + cos)).safe_sqrt();
-    let (s, c) = crate::lane::math::sincos_2pi(turn);
+    let (s, c) = math::sincos_2pi(turn);
     Vec3::new(sin * c, sin * s, cos)
 }
