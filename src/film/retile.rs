@@ -29,7 +29,7 @@ impl Film {
             };
             to.whole = BlockTree { nodes: nodes.map(node).collect() };
             to.partial = if first.partial.is_empty() { Vec::new() } else { self.sums_of(to, |from| &from.partial) };
-            to.largest = self.largest_of(to);
+            to.largest = if first.largest.is_empty() { Vec::new() } else { self.largest_of(to) };
             to.discarded = if i == 0 { self.discarded() } else { Discarded::default() };
         }
         Some(film)
