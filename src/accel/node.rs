@@ -100,9 +100,9 @@ impl Node {
         let octant = ray.octant;
         let order = R::Bits::unpack_octal(self.order[octant]) & R::Bits::splat(7);
         let (mut near, mut far) = (R::zero(), R::splat(f32::INFINITY));
-        for k in 0..3 {
+        for (k, sides) in SIDES[octant].iter().enumerate() {
             let planes = R::load(self.planes.as_chunks::<2>().0[k].as_flattened());
-            let planes = planes.permute(order ^ R::Bits::load(&SIDES[octant][k]));
+            let planes = planes.permute(order ^ R::Bits::load(sides));
             let t = (planes - ray.setup.origin[k]) * ray.setup.inverse[k];
             near = t.max_or(near);
             far = t.min_or(far);

@@ -255,9 +255,9 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
             (rays[k], active[k]) = (shadow_ray(&row), carries);
         }
         self.world.occluded_many::<R, T::Shadow>(&rays[..count], &active[..count], &mut occluded[..count]);
-        for k in 0..count {
+        for (k, occluded) in occluded.into_iter().enumerate().take(count) {
             let (row, carries) = self.shadows.packet(first + k * R::WIDTH);
-            self.add_unhidden(&row, carries, occluded[k]);
+            self.add_unhidden(&row, carries, occluded);
         }
     }
 

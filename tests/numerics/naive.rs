@@ -203,11 +203,11 @@ fn many_lights_keep_their_shares() {
     let edge = f64::from(1e-3f32);
     let area = 0.5 * edge * edge;
     let mut mass = 0.0;
-    for i in 0..n {
+    for (i, &power) in powers[..n].iter().enumerate() {
         // Straight below: t = 1, cos = 1.
         let found = f64::from(lights.pdf_area::<f32>(Bits::splat(i as u32), Vec3::splat([0.0; 3]), 1.0, 1.0)) * area;
         mass += found;
-        let share = f64::from(powers[i]) / total;
+        let share = f64::from(power) / total;
         // Half a step of the thresholds' grid a slot, roundings of the weight and of the stored quotient; what n slots have
         // rounded off, at random, is left to the last.
         let bound = 2f64.powi(-24) * (6.0 * share + (1.0 + (n as f64).sqrt()) / n as f64);

@@ -45,7 +45,8 @@ fn p_values_are_tails_of_chi_squared() {
 #[test]
 fn wrong_pdfs_are_rejected() {
     let test = DirectionTest::default();
-    let wrong: [(&str, &dyn Fn([f32; 3]) -> f32); 5] = [
+    type Pdf<'a> = &'a dyn Fn([f32; 3]) -> f32;
+    let wrong: [(&str, Pdf); 5] = [
         ("uniform", &|w| if w[2] > 0.0 { 1.0 / TAU } else { 0.0 }),
         ("tilted by 10 %", &|w| cosine_pdf(w) * (1.0 + 0.1 * w[0])),
         ("1 % too small", &|w| 0.99 * cosine_pdf(w)),
