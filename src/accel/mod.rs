@@ -12,6 +12,7 @@ mod facets;
 mod lanes;
 mod node;
 mod packet;
+mod shadow;
 mod single;
 mod stream;
 mod tree;

@@ -152,7 +152,7 @@ fn bsdf<R: Real>(view: &View<R>, u: [R; 3], combined: bool) -> Vec3<R> {
 fn light<R: Real>(view: &View<R>, u: [R; 3], combined: bool) -> Vec3<R> {
     let &View { world, ref surface, ref frame, wo } = view;
     let all = R::Mask::splat(true);
-    let Some(mut light) = world.sample_light(surface.at.p, u[0], [u[1], u[2]], all) else { return Vec3::zero() };
+    let Some(mut light) = world.sample_light(surface.at.p, None, u[0], [u[1], u[2]], all) else { return Vec3::zero() };
     if world.plan.patterned_lights {
         pattern::look_up(world, &mut light, [u[1], u[2]], all);
     }

@@ -6,7 +6,7 @@ use super::world::World;
 use crate::bsdf::{Eval, Sample};
 use crate::geometry::Hit;
 use crate::lane::{Real, Vec3};
-use crate::light::{LightSample, Lights};
+use crate::light::LightSample;
 
 /// Scattering, light samples and the light of rays that leave the scene. Every [`ShadingKind`] is one: the scene's.
 pub trait Shade: Sync {
@@ -60,7 +60,7 @@ pub trait Shade: Sync {
         u: [R; 2],
         active: R::Mask,
     ) -> Option<LightSample<R>> {
-        scenes_light(world, p, table, u_choice, u, active)
+        world.sample_light(p, Some(table), u_choice, u, active)
     }
 
     /// The density of light samples on the scene's own emitters, from what it is where there are no other lights.
@@ -74,23 +74,6 @@ pub trait Shade: Sync {
     fn escaped<R: Real>(&self, world: &World, direction: Vec3<R>) -> (Vec3<R>, R) {
         let lights = world.lights.as_ref().filter(|_| world.plan.environment);
         lights.map_or((Vec3::zero(), R::zero()), |lights| lights.environment(direction))
-    }
-}
-
-/// A sample of the scene's lights: see [`Shade::sample_light`].
-#[inline(always)]
-pub(crate) fn scenes_light<R: Real>(
-    world: &World,
-    p: Vec3<R>,
-    table: R::Bits,
-    u_choice: R,
-    u: [R; 2],
-    active: R::Mask,
-) -> Option<LightSample<R>> {
-    if world.lights.as_ref().is_some_and(Lights::has_grid) {
-        world.sample_light_from(p, table, u_choice, u, active)
-    } else {
-        world.sample_light(p, u_choice, u, active)
     }
 }
 

@@ -7,15 +7,15 @@
 //! any width.
 
 use super::cutout;
-use super::path::{self, Direct, Paths, Traversal, mis_weight};
+use super::path::{self, Paths, Traversal, mis_weight};
 use super::probe::{Lanes, Probe, Stage};
 use super::queue::Queue;
+use super::rows::{GOING, HIT, MISSED, SHADOW, pack, pack_hits, pack_shadows, shadow_ray, unpack, unpack_hits};
 use super::shade::Shade;
 use super::tile::{CameraQueue, Counters, Job, SampleBuffer};
 use super::world::World;
 use crate::geometry::{Hit, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3};
-use crate::sampling::Sampler;
 use core::marker::PhantomData;
 
 /// Paths of a worker on their way at once: they and what waits stay in the second cache; 128 were up to 5 % slower.
@@ -23,13 +23,6 @@ const POOL: usize = 512;
 
 /// Packets traced together.
 const TOGETHER: usize = 8;
-
-/// Values a path keeps from vertex to vertex, and with its hit.
-const GOING: usize = 18;
-const HIT: usize = GOING + 4;
-/// Of a ray that left the scene, and of a shadow ray.
-const MISSED: usize = 9;
-const SHADOW: usize = 12;
 
 /// Renders all samples of a job into `out`.
 pub fn render<R: Real, T: Traversal, S: Shade, P: Probe>(
@@ -201,10 +194,7 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
     #[inline(never)]
     fn shade_waiting(&mut self) {
         let (row, alive) = self.hits.pop();
-        let mut paths = unpack(row.first_chunk().expect("a hit has a path"), alive);
-        let [.., t, primitive, u, v] = row;
-        paths.hit = Hit { t, primitive: primitive.to_bits(), u, v };
-        self.shade(paths);
+        self.shade(unpack_hits(&row, alive));
     }
 
     fn shade_rest(&mut self) {
@@ -289,54 +279,5 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
             let rgb = &mut self.out.rgb[slot as usize];
             *rgb = self.probe.tap_rgb(Stage::Radiance, lanes, Vec3::splat(*rgb)).lane(0);
         }
-    }
-}
-
-#[inline(always)]
-fn pack<R: Real>(paths: &Paths<R>) -> [R; GOING] {
-    let (o, d, b) = (paths.ray.origin, paths.ray.direction, paths.beta);
-    let [w0, w1, w2, w3] = paths.rng.words().map(R::from_bits);
-    let (slot, table) = (R::from_bits(paths.slot), R::from_bits(paths.table));
-    let (pdf, eta, bounce) = (paths.bsdf_pdf, paths.eta_squared, paths.bounce);
-    [o.x, o.y, o.z, d.x, d.y, d.z, b.x, b.y, b.z, w0, w1, w2, w3, pdf, eta, bounce, table, slot]
-}
-
-#[inline(always)]
-fn pack_hits<R: Real>(paths: &Paths<R>) -> [R; HIT] {
-    let mut row = [R::zero(); HIT];
-    row[..GOING].copy_from_slice(&pack(paths));
-    row[GOING..].copy_from_slice(&[paths.hit.t, R::from_bits(paths.hit.primitive), paths.hit.u, paths.hit.v]);
-    row
-}
-
-#[inline(always)]
-fn pack_shadows<R: Real>(direct: &Direct<R>, paths: &Paths<R>) -> [R; SHADOW] {
-    let Ray { origin: o, direction: d, t_max } = direct.ray;
-    let c = direct.contribution;
-    [o.x, o.y, o.z, d.x, d.y, d.z, t_max, c.x, c.y, c.z, R::from_bits(paths.slot), paths.bounce]
-}
-
-#[inline(always)]
-fn shadow_ray<R: Real>(row: &[R; SHADOW]) -> Ray<R> {
-    let [ox, oy, oz, dx, dy, dz, t_max, ..] = *row;
-    Ray { origin: Vec3::new(ox, oy, oz), direction: Vec3::new(dx, dy, dz), t_max }
-}
-
-/// Paths on their way, without a hit.
-#[inline(always)]
-fn unpack<R: Real>(row: &[R; GOING], alive: R::Mask) -> Paths<R> {
-    let [ox, oy, oz, dx, dy, dz, bx, by, bz, w0, w1, w2, w3, bsdf_pdf, eta_squared, bounce, table, slot] = *row;
-    let ray = Ray { origin: Vec3::new(ox, oy, oz), direction: Vec3::new(dx, dy, dz), t_max: R::splat(f32::INFINITY) };
-    Paths {
-        hit: Hit::miss(ray.t_max),
-        ray,
-        beta: Vec3::new(bx, by, bz),
-        rng: Sampler::from_words([w0, w1, w2, w3].map(R::to_bits)),
-        bsdf_pdf,
-        eta_squared,
-        bounce,
-        table: table.to_bits(),
-        slot: slot.to_bits(),
-        alive,
     }
 }

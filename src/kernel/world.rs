@@ -195,23 +195,17 @@ impl World {
         self.accel.occluded_many::<R, M>(rays, active, found)
     }
 
-    /// A sample of some light as seen from `p`.
+    /// A sample of some light as seen from `p`: area lights by power, or from a [table](Lights::table_at) where there is a grid.
     #[inline(never)]
-    pub fn sample_light<R: Real>(&self, p: Vec3<R>, u_choice: R, u: [R; 2], active: R::Mask) -> Option<LightSample<R>> {
-        Some(self.lights.as_ref()?.sample(p, u_choice, u, active))
-    }
-
-    /// The same, area lights from a [table](Lights::table_at).
-    #[inline(never)]
-    pub fn sample_light_from<R: Real>(
+    pub fn sample_light<R: Real>(
         &self,
         p: Vec3<R>,
-        table: R::Bits,
+        table: Option<R::Bits>,
         u_choice: R,
         u: [R; 2],
         active: R::Mask,
     ) -> Option<LightSample<R>> {
-        Some(self.lights.as_ref()?.sample_from(p, Some(table), u_choice, u, active))
+        Some(self.lights.as_ref()?.sample_from(p, table, u_choice, u, active))
     }
 
     /// Lanes whose primitive is a sphere. Primitives are fewer than 2³¹: the difference is negative for triangles.

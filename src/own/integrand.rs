@@ -129,7 +129,7 @@ impl<R: Real> CameraSample<'_, R> {
     /// it is seen; `None` where the scene has no light.
     pub fn light(&self, surface: &Surface<R>, u: &[R; BOUNCE], active: R::Mask) -> Option<(LightSample<R>, Ray<R>)> {
         let position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
-        let mut light = self.world.sample_light(surface.at.p, u[LIGHT_CHOICE], position, active)?;
+        let mut light = self.world.sample_light(surface.at.p, None, u[LIGHT_CHOICE], position, active)?;
         if self.world.plan.patterned_lights {
             crate::kernel::look_up_pattern(self.world, &mut light, position, active);
         }

@@ -3,7 +3,7 @@
 use super::{Arrival, Bsdf, Light};
 use crate::bsdf::{Eval, Sample};
 use crate::geometry::Hit;
-use crate::kernel::{AllModels, Shade, Surface, World, scenes_light};
+use crate::kernel::{AllModels, Shade, Surface, World};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::light::{DELTA_LIGHT, LightSample, NO_PRIMITIVE};
 use crate::sampling::rescale;
@@ -171,13 +171,13 @@ impl<B: Bsdf, L: Light> Shade for Own<B, L> {
         active: R::Mask,
     ) -> Option<LightSample<R>> {
         if !L::SHINES {
-            return scenes_light(world, p, table, u_choice, u, active);
+            return world.sample_light(p, Some(table), u_choice, u, active);
         }
         let share = R::splat(Self::share(world));
         let to_own = u_choice.lt(share) & active;
         let own = self.sample_own_light(world, p, u, to_own);
         let rest = rescale(u_choice, share, R::one());
-        let Some(mut scenes) = scenes_light(world, p, table, rest, u, active & !to_own) else {
+        let Some(mut scenes) = world.sample_light(p, Some(table), rest, u, active & !to_own) else {
             return Some(own);
         };
         scenes.pdf = scenes.pdf * (R::one() - share);

@@ -272,7 +272,9 @@ impl Worker<'_> {
             let active = first_lanes::<R>(tables.count() - first);
             let (_, u) = vertex.numbers(first);
             let u_position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
-            let Some(mut light) = world.sample_light(surface.at.p, u[LIGHT_CHOICE], u_position, active) else { return };
+            let Some(mut light) = world.sample_light(surface.at.p, None, u[LIGHT_CHOICE], u_position, active) else {
+                return;
+            };
             if world.plan.patterned_lights {
                 pattern::look_up(world, &mut light, u_position, active);
             }
