@@ -68,6 +68,15 @@ impl Cholesky {
         dot(&half, &half)
     }
 
+    /// bᵀ Q b = |Lᵀb|².
+    pub fn energy(&self, b: &[f64]) -> f64 {
+        let mut along = vec![0.0; self.n];
+        for (i, b) in b.iter().enumerate() {
+            along.iter_mut().zip(self.row(i)).for_each(|(sum, l)| *sum += l * b);
+        }
+        dot(&along, &along)
+    }
+
     /// The smallest of the squares on the diagonal: how near Q is to singular.
     pub fn smallest_pivot(&self) -> f64 {
         (0..self.n).map(|i| self.row(i)[i].powi(2)).fold(f64::INFINITY, f64::min)

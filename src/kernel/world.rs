@@ -1,7 +1,7 @@
 //! Prepared data: what the kernel reads, built from a [`Scene`] as its [`Plan`] says and nothing more.
 
 use super::camera::Camera;
-use super::gather::{GatherReport, GatherTables};
+use super::gather::{self, GatherReport, GatherTables};
 use super::material::MaterialTable;
 use super::pattern::mean_radiance;
 use super::texture::TextureTable;
@@ -158,9 +158,8 @@ impl World {
             setup,
         };
         if scene.integrator.kind == IntegratorKind::Gather {
-            let tables = GatherTables::new(&world, &scene.materials);
-            world.setup.gather = Some(tables.report.clone());
-            world.gather = Some(tables);
+            gather::prepare(&mut world, &scene.materials);
+            world.setup.gather = world.gather.as_ref().map(|tables| tables.report.clone());
         }
         Ok(world)
     }

@@ -21,6 +21,8 @@ pub struct Gather {
     pub rotate: bool,
     /// Whether hits share point sets.
     pub weights: GatherWeights,
+    /// Whether weights of a Gaussian process are drawn towards equal ones.
+    pub shrinkage: GatherShrinkage,
     /// How lights are found.
     pub lights: GatherLights,
 }
@@ -40,6 +42,7 @@ impl Default for Gather {
             sets: 16,
             rotate: true,
             weights: GatherWeights::Shared,
+            shrinkage: GatherShrinkage::Pilot,
             lights: GatherLights::Seen,
         }
     }
@@ -107,6 +110,15 @@ pub enum GatherWeights {
     PerHit,
     /// Point sets and weights are made once for the picture.
     Shared,
+}
+
+/// How far weights of a Gaussian process are drawn towards equal ones, which are better for what it does not explain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GatherShrinkage {
+    /// As far as errs least on a fixed [pilot](crate::estimate::bmc::Pilot) of the scene.
+    Pilot,
+    /// Not at all: the posterior mean.
+    None,
 }
 
 /// How lights are found from the first hit. Lights without extent are always sampled.

@@ -34,7 +34,7 @@ mod validate;
 
 pub use builder::SceneBuilder;
 pub use error::SceneError;
-pub use gather::{Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherWeights};
+pub use gather::{Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherShrinkage, GatherWeights};
 pub use load::load;
 pub use texture::{Channel, FileName, Image, Maps, Texels, Texture};
 pub use validate::InvalidScene;

@@ -5,7 +5,8 @@ use super::error::SceneError;
 use super::gather::{MOST_DIRECTIONS, MOST_SETS};
 use super::toml_text::{Colour, TomlText};
 use super::{
-    Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherWeights, Integrator, IntegratorKind,
+    Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherShrinkage, GatherWeights, Integrator,
+    IntegratorKind,
 };
 use crate::estimate::bmc::{Covariance, Points};
 use serde::Deserialize;
@@ -30,6 +31,7 @@ pub(super) struct IntegratorTable {
     sets: Option<Spanned<i64>>,
     rotate: Word,
     weights: Word,
+    shrinkage: Word,
     lights: Word,
 }
 
@@ -54,6 +56,7 @@ const PDFS: [(&str, GatherPdf); 3] =
     [("uniform", GatherPdf::Uniform), ("cosine", GatherPdf::Cosine), ("lobe", GatherPdf::Lobe)];
 const ROTATIONS: [(&str, bool); 2] = [("none", false), ("random", true)];
 const WEIGHTS: [(&str, GatherWeights); 2] = [("per-hit", GatherWeights::PerHit), ("shared", GatherWeights::Shared)];
+const SHRINKAGES: [(&str, GatherShrinkage); 2] = [("pilot", GatherShrinkage::Pilot), ("none", GatherShrinkage::None)];
 const LIGHTS: [(&str, GatherLights); 2] = [("seen", GatherLights::Seen), ("sampled", GatherLights::Sampled)];
 
 /// A length-scale or smoothness where the scene gives none.
@@ -98,6 +101,7 @@ fn gather(table: &IntegratorTable, text: &TomlText) -> Result<Gather, SceneError
         sets: count("sets", &table.sets, default.sets, MOST_SETS, text)?,
         rotate: choice("way to `rotate`", &table.rotate, &ROTATIONS, !per_hit, text)?,
         weights,
+        shrinkage: choice("way of `shrinkage`", &table.shrinkage, &SHRINKAGES, default.shrinkage, text)?,
         lights: choice("way of `lights`", &table.lights, &LIGHTS, default.lights, text)?,
     })
 }

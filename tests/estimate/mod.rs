@@ -6,6 +6,7 @@ mod demos;
 mod gather;
 mod hemisphere;
 mod illumination;
+mod shrinkage;
 mod study;
 mod truths;
 

@@ -1,6 +1,6 @@
 //! Against values that are known, and against a sum in f64.
 
-use super::{fresh, gather, gathered, smooth_sky, sphere_scene};
+use super::{as_they_are, fresh, gather, gathered, smooth_sky, sphere_scene};
 use crate::oracle;
 use crate::renders::{self, Set};
 use octolux::estimate::bmc::{Covariance, Mean, Measure, Points, SetRecipe, point_sets};
@@ -49,7 +49,7 @@ fn a_pixel_is_the_weighted_sum() {
     set.sphere(other, [0.0, 1.0, 0.0], 1.0);
     let scene = set.finish();
     for (method, covariance) in [(GatherMethod::BmcIs, Some(Covariance::SOBOLEV)), (GatherMethod::McIs, None)] {
-        let settings = Gather { sets: 1, rotate: false, samples: 64, ..gather(method) };
+        let settings = Gather { sets: 1, samples: 64, ..as_they_are(gather(method)) };
         let film = renders::film(&renders::world(&gathered(&scene, settings), SEED), 1);
         let recipe = SetRecipe {
             points: settings.points,

@@ -7,18 +7,24 @@ mod lobes;
 mod phong;
 mod posterior;
 mod ranking;
+mod shrinkage;
 
 use crate::renders::Set;
 use octolux::estimate::bmc::Points;
 use octolux::scene::{
-    Bsdf, Environment, EnvironmentImage, Gather, GatherLights, GatherMethod, GatherPdf, GatherWeights, IntegratorKind,
-    Scene,
+    Bsdf, Environment, EnvironmentImage, Gather, GatherLights, GatherMethod, GatherPdf, GatherShrinkage, GatherWeights,
+    IntegratorKind, Scene,
 };
 
 /// The settings of a method with its own pdf.
 pub fn gather(method: GatherMethod) -> Gather {
     let pdf = if method.is_importance() { GatherPdf::Cosine } else { GatherPdf::Uniform };
     Gather { method, pdf, ..Gather::default() }
+}
+
+/// The sets without a turn, with the posterior's weights.
+pub fn as_they_are(gather: Gather) -> Gather {
+    Gather { rotate: false, shrinkage: GatherShrinkage::None, ..gather }
 }
 
 /// The same scene, gathered.

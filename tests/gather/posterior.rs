@@ -1,7 +1,7 @@
 //! What the gather estimate believes of its own variance.
 
 use super::ranking::plane;
-use super::{gather, gathered, smooth_sky};
+use super::{as_they_are, gather, gathered, smooth_sky};
 use crate::renders::{Set, film as plain_film, world as plain_world};
 use octolux::estimate::bmc::{Covariance, Mean, Measure, Points, SetRecipe, point_sets};
 use octolux::film::Film;
@@ -45,7 +45,7 @@ fn the_layer_is_the_posterior_variance() {
     };
     let points = &point_sets(&recipe)[0];
     let posterior = points.posterior.as_ref().expect("weights");
-    let settings = Gather { sets: 1, rotate: false, ..gather(GatherMethod::BmcIs) };
+    let settings = Gather { sets: 1, ..as_they_are(gather(GatherMethod::BmcIs)) };
     let found = believed(&with_features(&gathered(&scene, settings), Width::native(), 1))[0];
     for (c, rho) in [0.6, 0.5, 0.4].into_iter().enumerate() {
         let light = |i: usize| {

@@ -8,12 +8,14 @@ mod evidence;
 pub mod line;
 mod measure;
 mod sets;
+mod shrinkage;
 mod weights;
 
 pub use covariance::Covariance;
 pub use evidence::{Evidence, grid, rank};
 pub use measure::{Measure, Rules, bessel_i0e};
 pub use sets::{PointSet, Points, SetRecipe, fibonacci, point_sets, polar_points};
+pub use shrinkage::Pilot;
 pub use weights::{Conditioning, MAX_ABSOLUTE_RATIO, Mean, System, Verdict, Weights, weights};
 
 /// k of all pairs, row by row.

@@ -46,6 +46,15 @@ pub struct PointSet {
 }
 
 impl PointSet {
+    /// With weights [drawn](Weights::shrunk) towards equal ones, whose sum is `total`.
+    pub fn shrunk(mut self, intensity: f64, total: f64) -> Self {
+        self.posterior = self.posterior.map(|posterior| posterior.shrunk(intensity, total));
+        if let Some(posterior) = &self.posterior {
+            self.weights = posterior.w.iter().map(|&w| w as f32).collect();
+        }
+        self
+    }
+
     /// What is to be said of the weights; `None` for equal weights by request.
     pub fn conditioning(&self) -> Option<Conditioning> {
         self.posterior.as_ref().map(|p| p.conditioning)

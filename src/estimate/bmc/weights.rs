@@ -162,6 +162,18 @@ impl Weights {
         self.w.iter().zip(y).map(|(w, y)| w * y).sum()
     }
 
+    /// (1 − λ) w + λ P/n: drawn towards the plain mean, see [`Pilot`](super::Pilot). The variance that the process has for
+    /// it is V + λ² δᵀQδ, δ = P/n − w, since V is least at w among weights of the same sum; only for a constant mean.
+    pub fn shrunk(mut self, intensity: f64, total: f64) -> Self {
+        let Some(factor) = self.factor.as_ref().filter(|_| intensity != 0.0) else { return self };
+        let equal = total / self.w.len() as f64;
+        let mut away = vec![0.0; self.centre.len()];
+        self.distinct.iter().zip(&self.w).for_each(|(&i, w)| away[i] += equal - w);
+        self.unit_variance = self.unit_variance.map(|v| v + intensity.powi(2) * factor.energy(&away));
+        self.w.iter_mut().for_each(|w| *w += intensity * (equal - *w));
+        self
+    }
+
     /// σ̂_f² = rᵀQ⁻¹r/(n − 1), r = y − μ̂ (rᵀQ⁻¹r/n for a known mean). `None` for equal weights or a single point.
     pub fn scale(&self, y: &[f64]) -> Option<f64> {
         let factor = self.factor.as_ref()?;

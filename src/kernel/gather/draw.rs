@@ -50,6 +50,16 @@ impl Directions {
         }
     }
 
+    /// P/n, as its weights would be if they were equal.
+    pub fn equal_weight(&self, measure: Measure) -> f32 {
+        (measure.total() / self.count as f64) as f32
+    }
+
+    /// Of its directions, in order.
+    pub fn weights(&self) -> &[f32] {
+        &self.columns[3][..self.count]
+    }
+
     /// Variance of Σ w_i g_i given its terms, as the posterior has it; `None` where there is none.
     pub fn variance(&self, terms: &[f32], seen: &mut Vec<f64>) -> Option<f64> {
         let posterior = self.posterior.as_ref()?;
@@ -66,10 +76,16 @@ impl Directions {
         [column(0), column(1), column(2), column(3), column(4)]
     }
 
-    /// Points of this hit's own, with the weights that `tables` asks for.
+    /// Points of this hit's own, with the weights of a covariance or equal ones.
     #[inline(never)]
-    pub fn draw<R: Real>(&mut self, tables: &GatherTables, family: &Family, vertex: &Vertex<R>) {
-        let equal = (family.measure.total() / self.count as f64) as f32;
+    pub fn draw<R: Real>(
+        &mut self,
+        tables: &GatherTables,
+        family: &Family,
+        vertex: &Vertex<R>,
+        covariance: Option<Covariance>,
+    ) {
+        let equal = self.equal_weight(family.measure);
         self.columns[3][..self.count].fill(equal);
         for first in (0..self.count).step_by(R::WIDTH) {
             let u = numbers(tables, vertex, first, self.count);
@@ -84,7 +100,7 @@ impl Directions {
         }
         self.fill_density(family.measure);
         self.posterior = None;
-        if let Some(covariance) = tables.covariance {
+        if let Some(covariance) = covariance {
             self.weigh(covariance, tables, family);
         }
     }
@@ -101,7 +117,7 @@ impl Directions {
             total: family.measure.total(),
             self_energy: family.self_energy,
         };
-        let posterior = bmc::weights(&system, Mean::Constant, 0.0);
+        let posterior = bmc::weights(&system, Mean::Constant, 0.0).shrunk(family.shrinkage, system.total);
         weights.iter_mut().zip(&posterior.w).for_each(|(to, w)| *to = *w as f32);
         self.posterior = Some(posterior);
     }

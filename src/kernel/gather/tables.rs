@@ -33,8 +33,14 @@ pub(super) struct Family {
     pub measure: Measure,
     /// Prior variance of the integral at σ_f² = 1.
     pub self_energy: f64,
-    /// Empty where points are drawn at each hit.
+    /// Its place: 0 about the normal, then the lobes in order.
+    pub number: usize,
+    /// λ of its weights, see [`crate::estimate::bmc::Pilot`].
+    pub shrinkage: f64,
+    /// As kernels read them; empty where points are drawn at each hit.
     sets: Vec<Directions>,
+    /// What they are made from, until λ is known.
+    made: Vec<PointSet>,
 }
 
 /// What was made, and whether it may be trusted.
@@ -58,6 +64,10 @@ pub struct GatherReport {
     pub equal_weights: usize,
     /// Sets whose posterior was ill-conditioned but passed.
     pub damped: usize,
+    /// How far weights are drawn towards equal ones, 0 to 1: of the sets about the normal, then of those of the lobes in order.
+    pub shrinkage: Vec<f64>,
+    /// Rays of the pilot that found it.
+    pub pilot_rays: u64,
 }
 
 impl GatherTables {
@@ -81,7 +91,11 @@ impl GatherTables {
             evidence,
             ..GatherReport::default()
         };
-        let mut family = |measure| Family::new(world, measure, covariance, &rules, &mut report);
+        let mut number = 0;
+        let mut family = |measure| {
+            number += 1;
+            Family::new(world, measure, number - 1, covariance, &rules, &mut report)
+        };
         let base = family(if settings.pdf == GatherPdf::Uniform { Measure::UNIFORM } else { Measure::COSINE });
         let lobe_kinds = if settings.pdf == GatherPdf::Lobe { lobes_of(materials) } else { Vec::new() };
         let lobes: Vec<Family> = lobe_kinds.iter().map(|lobe| family(lobe.measure())).collect();
@@ -98,6 +112,11 @@ impl GatherTables {
         GatherTables { settings, covariance, rules, lattice, base, lobes, lobe_kinds, report }
     }
 
+    /// About the normal, then the lobes.
+    pub(super) fn families(&mut self) -> impl Iterator<Item = &mut Family> {
+        std::iter::once(&mut self.base).chain(&mut self.lobes)
+    }
+
     /// Directions an estimate.
     #[inline(always)]
     pub(super) fn count(&self) -> usize {
@@ -109,6 +128,7 @@ impl Family {
     fn new(
         world: &World,
         measure: Measure,
+        number: usize,
         covariance: Option<Covariance>,
         rules: &Rules,
         report: &mut GatherReport,
@@ -134,23 +154,41 @@ impl Family {
         Family {
             measure,
             self_energy: covariance.map_or(0.0, |k| measure.self_energy(k, rules)),
-            sets: sets.iter().map(|set| Directions::from_set(set, measure, world.plan.posterior)).collect(),
+            number,
+            shrinkage: 0.0,
+            sets: directions(&sets, measure, world.plan.posterior),
+            made: sets,
         }
     }
 
-    /// The directions for a hit: one of the sets, or `drawn` filled anew.
+    /// Draws the weights towards equal ones, once. `believes` keeps posteriors.
+    pub fn shrink(&mut self, intensity: f64, believes: bool) {
+        let (measure, made) = (self.measure, std::mem::take(&mut self.made));
+        self.shrinkage = intensity;
+        if intensity > 0.0 {
+            let sets: Vec<PointSet> = made.into_iter().map(|set| set.shrunk(intensity, measure.total())).collect();
+            self.sets = directions(&sets, measure, believes);
+        }
+    }
+
+    /// The directions for a hit: one of the sets, or `drawn` filled anew. `fresh`: anew whatever there is, and equally weighted.
     #[inline(always)]
     pub fn at<'a, R: Real>(
         &'a self,
         tables: &GatherTables,
         vertex: &Vertex<R>,
         drawn: &'a mut Directions,
+        fresh: bool,
     ) -> &'a Directions {
-        if self.sets.is_empty() {
-            drawn.draw(tables, self, vertex);
+        if self.sets.is_empty() || fresh {
+            drawn.draw(tables, self, vertex, tables.covariance.filter(|_| !fresh));
             return drawn;
         }
         let choice = (vertex.u[BSDF_LOBE] * self.sets.len() as f32) as usize;
         &self.sets[choice.min(self.sets.len() - 1)]
     }
+}
+
+fn directions(sets: &[PointSet], measure: Measure, believes: bool) -> Vec<Directions> {
+    sets.iter().map(|set| Directions::from_set(set, measure, believes)).collect()
 }

@@ -58,7 +58,7 @@ impl Beams {
         if believes {
             found.variance = self.variance(set);
         }
-        self.values.iter_mut().for_each(|channel| channel.fill(0.0));
+        self.clear();
         found
     }
 
@@ -75,6 +75,16 @@ impl Beams {
                 if *count > 1 { squares * n / (n - 1.0) } else { 0.0 }
             })
         })
+    }
+
+    /// What each ray of this estimate brought, by channel.
+    pub fn terms(&self) -> [&[f32]; 3] {
+        self.values.each_ref().map(|channel| &channel[..self.count])
+    }
+
+    /// Forgets this estimate.
+    pub fn clear(&mut self) {
+        self.values.iter_mut().for_each(|channel| channel.fill(0.0));
     }
 
     /// Adds to rays `first …`.
