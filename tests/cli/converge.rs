@@ -92,6 +92,30 @@ fn errors_are_those_that_compare_finds() {
     assert_eq!(alone.rgb(), read_exr(&scratch.path("out").join(&row.seeds[0].image)).unwrap().rgb());
 }
 
+/// The largest sample's share of the squared error of all seeds, from what `render` says of each.
+#[test]
+fn the_largest_sample_is_that_of_the_renders() {
+    let scratch = Scratch::new();
+    let report = study(&scratch, "out", &["--spp", "1,8", "--seeds", "3", "--reference-spp", "16"]);
+    let [one, eight] = &report.variants[0].rows[..] else { panic!("two rows") };
+    assert_eq!(one.largest_sample_share, None);
+    let of_seed = |seed: u64| {
+        let seed = seed.to_string();
+        let render = ["render", "scene.toml", "-o", "a.exr", "--spp", "8", "--seed", &seed, "--json", "a.json"];
+        assert!(scratch.run(&render).status.success());
+        let json: serde_json::Value = serde_json::from_slice(&std::fs::read(scratch.path("a.json")).unwrap()).unwrap();
+        let square = json["relative_error"].as_f64().unwrap().powi(2);
+        (square, square * json["sample_shares"]["largest_of_error"].as_f64().unwrap())
+    };
+    let all: Vec<(f64, f64)> = eight.seeds.iter().map(|seed| of_seed(seed.seed)).collect();
+    let largest = all.iter().map(|a| a.1).fold(0.0, f64::max);
+    let expected = largest / all.iter().map(|a| a.0).sum::<f64>();
+    let found = eight.largest_sample_share.expect("eight samples");
+    assert!((found / expected - 1.0).abs() < 1e-12 && found > 0.0, "{found} for {expected}");
+    let flagged = eight.doubts.iter().any(|doubt| doubt.contains("one sample makes up"));
+    assert_eq!(flagged, found > octolux::film::shares::LARGEST_TRUSTED_OF_ERROR);
+}
+
 #[test]
 fn a_made_reference_knows_its_noise() {
     let scratch = Scratch::new();
@@ -126,8 +150,8 @@ fn the_json_has_the_fields_of_its_version() {
     );
     assert_eq!(
         keys(&json["variants"][0]["rows"][0]),
-        "bias_squared budget discarded_samples doubts largest_relative_share largest_share mae mse paths rays \
-         relative_bias_squared relative_variance relmse relmse_trusted rmse rmse_trusted samples_per_pixel seconds \
+        "bias_squared budget discarded_samples doubts largest_relative_share largest_sample_share largest_share mae mse \
+         paths rays relative_bias_squared relative_variance relmse relmse_trusted rmse rmse_trusted samples_per_pixel seconds \
          seeds time_to_unit_variance variance variant wall_seconds"
     );
     assert_eq!(keys(&json["variants"][0]["rows"][0]["relmse"]), "dof hi lo standard_error value");

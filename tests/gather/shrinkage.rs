@@ -20,7 +20,7 @@ fn sunny(mut scene: Scene, radiance: f32) -> Scene {
     let Environment::Image(mut sky) = smooth_sky() else { unreachable!("an image") };
     let (height, sun) = (sky.height as f32, SUN);
     for (i, texel) in sky.texels.iter_mut().enumerate() {
-        let (x, y) = ((i % sky.width as usize) as f32 + 0.5, (i / sky.width as usize) as f32 + 0.5);
+        let (x, y) = ((i % sky.width) as f32 + 0.5, (i / sky.width) as f32 + 0.5);
         let (sin, cos) = (std::f32::consts::PI * y / height).sin_cos();
         let (s, c) = (std::f32::consts::TAU * x / sky.width as f32).sin_cos();
         let along = sun[0] * sin * s + sun[1] * cos + sun[2] * sin * -c;

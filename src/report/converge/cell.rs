@@ -45,6 +45,10 @@ pub struct Cell {
     pub rays: u64,
     /// Samples that were not finite.
     pub discarded_samples: u64,
+    /// Squared relative error as the image's own variances have it, and the largest sample's part of it, 0 … 1; `None` of
+    /// one sample a pixel.
+    pub estimated_error: Option<f64>,
+    pub largest_sample_share: Option<f64>,
     /// File below the study's folder.
     pub image: String,
 }

@@ -123,8 +123,12 @@ fn cost_row(v: &VariantReport) -> Vec<Cell> {
 
 fn errors(report: &ConvergeReport) -> Table {
     let header = ["variant", "budget", "spp", "seeds", "RMSE", "relMSE", "MAE", "s rendering", "s wall clock"];
-    let table = Table::new(header.into_iter().chain(["paths", "discarded", "largest share", "doubts"]));
-    let table = table.captioned("Means over seeds, ± half the 95 % interval. MAE holds the reference's noise.");
+    let table =
+        Table::new(header.into_iter().chain(["paths", "discarded", "largest value", "largest sample", "doubts"]));
+    let table = table.captioned(
+        "Means over seeds, ± half the 95 % interval. MAE holds the reference's noise. The largest \
+                                 value's and sample's shares are of the squared error of all seeds.",
+    );
     rows(report, table, |row| {
         let text = |text: String, trusted: bool| if trusted { Cell::from(text) } else { Cell::flagged(text) };
         vec![
@@ -140,6 +144,7 @@ fn errors(report: &ConvergeReport) -> Table {
             number(row.paths as f64).into(),
             row.discarded_samples.to_string().into(),
             format!("{:.2} %", 100.0 * row.largest_share.max(row.largest_relative_share)).into(),
+            row.largest_sample_share.map_or("–".to_owned(), |share| format!("{:.2} %", 100.0 * share)).into(),
             text(row.doubts.join("; "), row.doubts.is_empty()),
         ]
     })

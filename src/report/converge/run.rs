@@ -236,13 +236,18 @@ fn save(folder: &Path, variant: &Variant, key: CellKey, outcome: &Outcome) -> Re
     let path = folder.join(&image);
     let validity = VarianceValidity::of(variant.world.sampler, variant.world.integrator.shares_points());
     variant.pool.install(|| film::write_exr(&outcome.film, &path, &attributes, validity))?;
+    let output_seconds = start.elapsed().as_secs_f64();
+    let error = variant.pool.install(|| outcome.film.relative_error());
     Ok(Cell {
         samples_per_pixel: outcome.film.samples(),
         render_seconds: outcome.render_seconds,
-        output_seconds: start.elapsed().as_secs_f64(),
+        output_seconds,
         paths: outcome.counters.camera_rays,
         rays: outcome.counters.rays(),
         discarded_samples: outcome.film.discarded().count,
+        estimated_error: error.map(|error| error * error),
+        largest_sample_share: error
+            .map(|error| variant.pool.install(|| outcome.film.sample_shares(error)).largest_of_error),
         image,
         key,
     })

@@ -4,6 +4,7 @@ use super::cell::{Budget, Cell};
 use super::reference::{Noise, NoiseSource, Reference};
 use super::run::{Plan, Variant};
 use super::statistics::{LARGEST_TRUSTED_SHARE, Split};
+use crate::film::shares::LARGEST_TRUSTED_OF_ERROR;
 use crate::report::fit::{CONFIDENCE, Estimate, PowerLaw, Reached, budget_for, fit_power_law};
 use serde::{Deserialize, Serialize};
 
@@ -108,6 +109,9 @@ pub struct Row {
     /// The largest value's share of the summed squared error, and of the summed relative one.
     pub largest_share: f64,
     pub largest_relative_share: f64,
+    /// The largest single sample's share of the squared relative error of all seeds, as their own variances have it; `None`
+    /// of one sample a pixel.
+    pub largest_sample_share: Option<f64>,
     /// May the intervals of MSE and RMSE, and of relMSE, be relied on?
     pub rmse_trusted: bool,
     pub relmse_trusted: bool,
@@ -159,9 +163,10 @@ pub fn row(variant: String, cells: &[&Cell], setup: f64, (absolute, relative): (
         discarded_samples: cells.iter().map(|cell| cell.discarded_samples).sum(),
         largest_share: shares.0,
         largest_relative_share: shares.1,
+        largest_sample_share: largest_sample_share(cells),
         rmse_trusted: doubts(cells.len(), shares.0, absolute.error, "").is_empty(),
         relmse_trusted: doubts(cells.len(), shares.1, relative.error, "").is_empty(),
-        doubts: all_doubts(cells.len(), shares, (absolute.error, relative.error)),
+        doubts: all_doubts(cells, shares, (absolute.error, relative.error)),
         seeds: cells.iter().zip(mae).map(seed).collect(),
     }
 }
@@ -181,11 +186,23 @@ fn doubts(seeds: usize, share: f64, error: Estimate, metric: &str) -> Vec<String
     doubts
 }
 
-fn all_doubts(seeds: usize, shares: (f64, f64), errors: (Estimate, Estimate)) -> Vec<String> {
-    let mut all = doubts(seeds, shares.0, errors.0, "squared error");
-    all.extend(doubts(seeds, shares.1, errors.1, "relMSE"));
+fn all_doubts(cells: &[&Cell], shares: (f64, f64), errors: (Estimate, Estimate)) -> Vec<String> {
+    let mut all = doubts(cells.len(), shares.0, errors.0, "squared error");
+    all.extend(doubts(cells.len(), shares.1, errors.1, "relMSE"));
+    if let Some(share) = largest_sample_share(cells).filter(|&share| share > LARGEST_TRUSTED_OF_ERROR) {
+        all.push(format!("one sample makes up {:.1} % of the squared relative error", 100.0 * share));
+    }
     all.dedup();
     all
+}
+
+/// Each seed's largest sample against the errors of all.
+fn largest_sample_share(cells: &[&Cell]) -> Option<f64> {
+    let parts = cells.iter().map(|cell| Some([cell.estimated_error?, cell.largest_sample_share?]));
+    let parts: Vec<[f64; 2]> = parts.collect::<Option<_>>()?;
+    let all: f64 = parts.iter().map(|[error, _]| error).sum();
+    let largest = parts.iter().map(|[error, share]| error * share).fold(0.0, f64::max);
+    (!parts.is_empty()).then(|| if all > 0.0 { largest / all } else { 0.0 })
 }
 
 impl ConvergeReport {

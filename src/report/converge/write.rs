@@ -41,7 +41,7 @@ const COLUMNS: [Column; 10] = [
 /// A line each variant and budget; an end or value that is not known is empty.
 fn csv(report: &ConvergeReport) -> String {
     let mut text = "variant,budget,samples_per_pixel,seeds,paths,discarded_samples,largest_share,\
-                    largest_relative_share,rmse_trusted,relmse_trusted"
+                    largest_relative_share,largest_sample_share,rmse_trusted,relmse_trusted"
         .to_owned();
     for (name, _) in COLUMNS {
         text += &format!(",{name},{name}_lo,{name}_hi");
@@ -51,7 +51,7 @@ fn csv(report: &ConvergeReport) -> String {
     for row in report.variants.iter().flat_map(|variant| &variant.rows) {
         let name = format!("\"{}\"", row.variant.replace('"', "\"\""));
         text += &format!(
-            "{name},{},{},{},{},{},{:e},{:e},{},{}",
+            "{name},{},{},{},{},{},{:e},{:e},{},{},{}",
             row.budget,
             row.samples_per_pixel,
             row.seeds.len(),
@@ -59,6 +59,7 @@ fn csv(report: &ConvergeReport) -> String {
             row.discarded_samples,
             row.largest_share,
             row.largest_relative_share,
+            row.largest_sample_share.map_or(String::new(), number),
             row.rmse_trusted,
             row.relmse_trusted
         );
