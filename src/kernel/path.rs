@@ -7,6 +7,8 @@
 
 use super::pattern;
 use super::probe::{Lanes, Probe, Stage};
+use super::queue::Queue;
+use super::rows::{SHADOW, pack_shadows};
 use super::shade::Shade;
 use super::surface::Surface;
 use super::tile::SampleBuffer;
@@ -74,24 +76,18 @@ impl<R: Real> Paths<R> {
     }
 }
 
-/// What lights send through vertices, unless something is in the way.
-pub(super) struct Direct<R: Real> {
-    pub ray: Ray<R>,
-    pub contribution: Vec3<R>,
-    /// Lanes that carry something.
-    pub carries: R::Mask,
-}
-
 /// One vertex of every path, all of which hit something: adds what it emits, samples a light, and scatters; lanes that go
-/// on stay alive.
-#[inline(never)]
+/// on stay alive. Shadow rays of lanes that carry something are pushed. Inlined where the paths are unpacked, so that they
+/// need not pass through memory.
+#[inline(always)]
 pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
     world: &World,
     shade: &S,
     paths: &mut Paths<R>,
     out: &mut SampleBuffer,
+    shadows: &mut Queue<R, SHADOW>,
     probe: &mut P,
-) -> Option<Direct<R>> {
+) {
     let alive = paths.alive;
     let lanes = paths.lanes(alive);
     let mut surface = Surface::at(world, &paths.ray, &paths.hit, alive);
@@ -119,13 +115,11 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
         let n = Vec3::select(facing.lt(R::zero()), -surface.ng, surface.ng);
         paths.table = lights.table_at(surface.at.p, n);
     }
-    let mut direct = None;
     if (world.lights.is_some() || S::OWN_LIGHT) && scatters.any() {
-        direct = sample_direct(world, shade, paths, &surface, &frame, wo, &u, scatters, probe);
+        sample_direct(world, shade, paths, &surface, &frame, wo, &u, scatters, shadows, probe);
     }
     scatter(world, shade, paths, &surface, &frame, wo, &u, scatters, probe);
     roulette(paths, u[ROULETTE], probe);
-    direct
 }
 
 #[inline(always)]
@@ -181,7 +175,8 @@ fn add_emission<R: Real, S: Shade, P: Probe>(
     out.add(paths.slot, contribution, emitting);
 }
 
-/// Next-event estimation: a point on a light or a direction to the environment, and its contribution if it is seen.
+/// Next-event estimation: a point on a light or a direction to the environment, and its contribution if it is seen, which a
+/// shadow ray is to tell.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
 fn sample_direct<R: Real, S: Shade, P: Probe>(
@@ -193,14 +188,15 @@ fn sample_direct<R: Real, S: Shade, P: Probe>(
     wo: Vec3<R>,
     u: &[R; BOUNCE],
     scatters: R::Mask,
+    shadows: &mut Queue<R, SHADOW>,
     probe: &mut P,
-) -> Option<Direct<R>> {
+) {
     let lit = scatters & !shade.is_delta(world, &paths.hit, surface);
     if lit.none() {
-        return None;
+        return;
     }
     let u_position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
-    let mut light = shade.sample_light(world, surface.at.p, paths.table, u[LIGHT_CHOICE], u_position, lit)?;
+    let mut light = shade.sample_light(world, surface.at.p, paths.table, u[LIGHT_CHOICE], u_position, lit);
     if world.plan.patterned_lights {
         pattern::look_up(world, &mut light, u_position, lit);
     }
@@ -219,7 +215,9 @@ fn sample_direct<R: Real, S: Shade, P: Probe>(
     let contribution = paths.beta.hadamard(eval.value).hadamard(light.radiance) * weight;
     let contribution = probe.tap_rgb(Stage::LightContribution, paths.lanes(lit), contribution);
     let carries = lit & contribution.max_component().gt(R::zero());
-    carries.any().then(|| Direct { ray: light_ray(surface, &light), contribution, carries })
+    if carries.any() {
+        shadows.push(carries, &pack_shadows(&light_ray(surface, &light), contribution, paths));
+    }
 }
 
 /// The shadow ray of a light sample: to a point moved off its light, or to infinity.

@@ -1,11 +1,16 @@
 //! Lanes that wait for company: what a packet leaves partly empty is gathered here until it fills one.
 
-use crate::lane::{Mask, Real};
+use crate::lane::{Mask, Real, array};
 use core::marker::PhantomData;
+
+/// Values in a line of cache.
+const LINE: usize = 64 / size_of::<f32>();
 
 /// Rows of `N` values, one field after the other in memory, so that a packet of them is `N` loads.
 pub struct Queue<R, const N: usize> {
-    fields: Vec<f32>,
+    values: Vec<f32>,
+    /// Where the first field starts: packets are to start with a line of cache, and vectors are aligned to 4 bytes only.
+    start: usize,
     /// From one field to the next.
     stride: usize,
     len: usize,
@@ -16,8 +21,10 @@ impl<R: Real, const N: usize> Queue<R, N> {
     /// Empty, with room for `rows`.
     pub fn new(rows: usize) -> Self {
         // Whole registers are written and read past the last row.
-        let stride = rows + R::WIDTH;
-        Queue { fields: vec![0.0; N * stride], stride, len: 0, lanes: PhantomData }
+        let stride = (rows + R::WIDTH).next_multiple_of(LINE);
+        let values = vec![0.0f32; N * stride + LINE];
+        let start = values.as_ptr().align_offset(64) % LINE;
+        Queue { values, start, stride, len: 0, lanes: PhantomData }
     }
 
     pub fn len(&self) -> usize {
@@ -35,9 +42,30 @@ impl<R: Real, const N: usize> Queue<R, N> {
     /// Appends the lanes of `mask`, in order. Panics where there is no room.
     #[inline(always)]
     pub fn push(&mut self, mask: R::Mask, row: &[R; N]) {
-        let bits = mask.bits();
-        for (field, value) in row.iter().enumerate() {
-            value.compress(bits).store(&mut self.fields[field * self.stride..][..self.stride][self.len..]);
+        let (bits, len) = (mask.bits(), self.len);
+        for (field, value) in self.values[self.start..].chunks_exact_mut(self.stride).zip(row) {
+            value.compress(bits).store(&mut field[len..]);
+        }
+        self.len += bits.count_ones() as usize;
+    }
+
+    /// Appends the lanes of `mask` of the packet of `rows` that starts with its row `first`, with more values each.
+    #[inline(always)]
+    pub fn push_longer<const K: usize, const M: usize>(
+        &mut self,
+        mask: R::Mask,
+        rows: &Queue<R, K>,
+        first: usize,
+        more: [R; M],
+    ) {
+        const { assert!(K + M == N) };
+        let (bits, len) = (mask.bits(), self.len);
+        let mut fields = self.values[self.start..].chunks_exact_mut(self.stride);
+        for (source, field) in rows.values[rows.start..].chunks_exact(rows.stride).take(K).zip(&mut fields) {
+            R::load(&source[first..]).compress(bits).store(&mut field[len..]);
+        }
+        for (value, field) in more.iter().zip(fields) {
+            value.compress(bits).store(&mut field[len..]);
         }
         self.len += bits.count_ones() as usize;
     }
@@ -45,21 +73,33 @@ impl<R: Real, const N: usize> Queue<R, N> {
     /// The packet of rows from `first` on, and which of its lanes are rows.
     #[inline(always)]
     pub fn packet(&self, first: usize) -> ([R; N], R::Mask) {
-        let row = crate::lane::array::from_fn(|field| R::load(&self.fields[field * self.stride + first..]));
-        (row, first_lanes::<R>(self.len - first))
+        (self.fields(0, first), self.rows(first))
     }
 
-    /// Takes the last rows, as many as make a packet.
+    /// `K` values from `field` on of the packet of rows from `first` on.
     #[inline(always)]
-    pub fn pop(&mut self) -> ([R; N], R::Mask) {
-        let first = self.len.saturating_sub(R::WIDTH);
-        let packet = self.packet(first);
-        self.len = first;
-        packet
+    pub fn fields<const K: usize>(&self, field: usize, first: usize) -> [R; K] {
+        let fields = &self.values[self.start + field * self.stride..];
+        array::from_fn(|k| R::load(&fields[k * self.stride + first..]))
     }
-}
 
-#[inline(always)]
-fn first_lanes<R: Real>(count: usize) -> R::Mask {
-    R::Mask::from_bits(((1u64 << count.min(R::WIDTH)) - 1) as u32)
+    /// Which lanes of the packet from `first` on are rows.
+    #[inline(always)]
+    pub fn rows(&self, first: usize) -> R::Mask {
+        R::Mask::from_bits(((1u64 << (self.len - first).min(R::WIDTH)) - 1) as u32)
+    }
+
+    /// Rows that fill packets.
+    pub fn full(&self) -> usize {
+        self.len - self.len % R::WIDTH
+    }
+
+    /// Forgets the rows that fill packets.
+    pub fn keep_rest(&mut self) {
+        let full = self.full();
+        for field in self.values[self.start..].chunks_exact_mut(self.stride) {
+            R::load(&field[full..]).store(field);
+        }
+        self.len -= full;
+    }
 }

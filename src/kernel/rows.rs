@@ -1,6 +1,6 @@
 //! Paths and rays as rows of a [`Queue`](super::queue::Queue).
 
-use super::path::{Direct, Paths};
+use super::path::Paths;
 use crate::geometry::{Hit, Ray};
 use crate::lane::{Real, Vec3};
 use crate::sampling::Sampler;
@@ -8,9 +8,16 @@ use crate::sampling::Sampler;
 /// Values a path keeps from vertex to vertex, and with its hit.
 pub const GOING: usize = 18;
 pub const HIT: usize = GOING + 4;
-/// Of a ray that left the scene, and of a shadow ray.
+/// Of a ray that left the scene: what a path keeps from its direction up to its bounce.
 pub const MISSED: usize = 9;
-pub const SHADOW: usize = 12;
+/// Where these begin.
+pub const DIRECTION: usize = 3;
+/// Slot and bounce begin here.
+pub const NAME: usize = 10;
+/// Of a shadow ray.
+pub const SHADOW: usize = CONTRIBUTION + 5;
+/// Its ray ends and what it carries begins here.
+pub const CONTRIBUTION: usize = 7;
 
 #[inline(always)]
 pub fn pack<R: Real>(paths: &Paths<R>) -> [R; GOING] {
@@ -18,28 +25,31 @@ pub fn pack<R: Real>(paths: &Paths<R>) -> [R; GOING] {
     let [w0, w1, w2, w3] = paths.rng.words().map(R::from_bits);
     let (slot, table) = (R::from_bits(paths.slot), R::from_bits(paths.table));
     let (pdf, eta, bounce) = (paths.bsdf_pdf, paths.eta_squared, paths.bounce);
-    [o.x, o.y, o.z, d.x, d.y, d.z, b.x, b.y, b.z, w0, w1, w2, w3, pdf, eta, bounce, table, slot]
+    [o.x, o.y, o.z, d.x, d.y, d.z, b.x, b.y, b.z, pdf, slot, bounce, w0, w1, w2, w3, eta, table]
 }
 
 #[inline(always)]
-pub fn pack_hits<R: Real>(paths: &Paths<R>) -> [R; HIT] {
-    let mut row = [R::zero(); HIT];
-    row[..GOING].copy_from_slice(&pack(paths));
-    row[GOING..].copy_from_slice(&[paths.hit.t, R::from_bits(paths.hit.primitive), paths.hit.u, paths.hit.v]);
-    row
+pub fn pack_hit<R: Real>(hit: &Hit<R>) -> [R; HIT - GOING] {
+    [hit.t, R::from_bits(hit.primitive), hit.u, hit.v]
 }
 
 #[inline(always)]
-pub fn pack_shadows<R: Real>(direct: &Direct<R>, paths: &Paths<R>) -> [R; SHADOW] {
-    let Ray { origin: o, direction: d, t_max } = direct.ray;
-    let c = direct.contribution;
-    [o.x, o.y, o.z, d.x, d.y, d.z, t_max, c.x, c.y, c.z, R::from_bits(paths.slot), paths.bounce]
+pub fn pack_shadows<R: Real>(ray: &Ray<R>, contribution: Vec3<R>, paths: &Paths<R>) -> [R; SHADOW] {
+    let (o, d, c) = (ray.origin, ray.direction, contribution);
+    [o.x, o.y, o.z, d.x, d.y, d.z, ray.t_max, c.x, c.y, c.z, R::from_bits(paths.slot), paths.bounce]
 }
 
 #[inline(always)]
-pub fn shadow_ray<R: Real>(row: &[R; SHADOW]) -> Ray<R> {
-    let [ox, oy, oz, dx, dy, dz, t_max, ..] = *row;
+pub fn shadow_ray<R: Real>(row: &[R; CONTRIBUTION]) -> Ray<R> {
+    let [ox, oy, oz, dx, dy, dz, t_max] = *row;
     Ray { origin: Vec3::new(ox, oy, oz), direction: Vec3::new(dx, dy, dz), t_max }
+}
+
+/// The ray of the first values of a path on its way.
+#[inline(always)]
+pub fn path_ray<R: Real>(row: &[R; 6]) -> Ray<R> {
+    let [ox, oy, oz, dx, dy, dz] = *row;
+    Ray { origin: Vec3::new(ox, oy, oz), direction: Vec3::new(dx, dy, dz), t_max: R::splat(f32::INFINITY) }
 }
 
 /// Paths that hit something.
@@ -52,8 +62,8 @@ pub fn unpack_hits<R: Real>(row: &[R; HIT], alive: R::Mask) -> Paths<R> {
 /// Paths on their way, without a hit.
 #[inline(always)]
 pub fn unpack<R: Real>(row: &[R; GOING], alive: R::Mask) -> Paths<R> {
-    let [ox, oy, oz, dx, dy, dz, bx, by, bz, w0, w1, w2, w3, bsdf_pdf, eta_squared, bounce, table, slot] = *row;
-    let ray = Ray { origin: Vec3::new(ox, oy, oz), direction: Vec3::new(dx, dy, dz), t_max: R::splat(f32::INFINITY) };
+    let [ox, oy, oz, dx, dy, dz, bx, by, bz, bsdf_pdf, slot, bounce, w0, w1, w2, w3, eta_squared, table] = *row;
+    let ray = path_ray(&[ox, oy, oz, dx, dy, dz]);
     Paths {
         hit: Hit::miss(ray.t_max),
         ray,

@@ -2,7 +2,7 @@
 
 use super::material::ShadingKind;
 use super::surface::Surface;
-use super::world::World;
+use super::world::{World, sample_one_of};
 use crate::bsdf::{Eval, Sample};
 use crate::geometry::Hit;
 use crate::lane::{Real, Vec3};
@@ -48,8 +48,8 @@ pub trait Shade: Sync {
         surface.material.is_delta::<Self::Models>()
     }
 
-    /// A sample of some light as seen from `p`, by the `table` of its place where the lights have a grid; `None` where nothing
-    /// shines.
+    /// A sample of some light as seen from `p`, by the `table` of its place where the lights have a grid; without
+    /// density where nothing shines.
     #[inline(always)]
     fn sample_light<R: Real>(
         &self,
@@ -59,8 +59,11 @@ pub trait Shade: Sync {
         u_choice: R,
         u: [R; 2],
         active: R::Mask,
-    ) -> Option<LightSample<R>> {
-        world.sample_light(p, Some(table), u_choice, u, active)
+    ) -> LightSample<R> {
+        match &world.lights {
+            Some(lights) => sample_one_of(lights, p, Some(table), u_choice, u, active),
+            None => LightSample::none(),
+        }
     }
 
     /// The density of light samples on the scene's own emitters, from what it is where there are no other lights.

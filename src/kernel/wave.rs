@@ -10,12 +10,13 @@ use super::cutout;
 use super::path::{self, Paths, Traversal, mis_weight};
 use super::probe::{Lanes, Probe, Stage};
 use super::queue::Queue;
-use super::rows::{GOING, HIT, MISSED, SHADOW, pack, pack_hits, pack_shadows, shadow_ray, unpack, unpack_hits};
+use super::rows::{CONTRIBUTION, DIRECTION, GOING, HIT, MISSED, NAME, SHADOW};
+use super::rows::{pack, pack_hit, path_ray, shadow_ray, unpack, unpack_hits};
 use super::shade::Shade;
 use super::tile::{CameraQueue, Counters, Job, SampleBuffer};
 use super::world::World;
 use crate::geometry::{Hit, Ray};
-use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::lane::{Bits, Mask, Real, Vec3, array};
 use core::marker::PhantomData;
 
 /// Paths of a worker on their way at once: they and what waits stay in the second cache; 128 were up to 5 % slower.
@@ -84,7 +85,7 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
             pool,
             going: Queue::new(room),
             next: Queue::new(room),
-            hits: Queue::new(2 * R::WIDTH),
+            hits: Queue::new((1 + TOGETHER) * R::WIDTH),
             missed: Queue::new(2 * R::WIDTH),
             shadows: Queue::new(room),
             ended: Vec::new(),
@@ -103,7 +104,10 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
             self.going.clear();
             while more && self.next.len() + self.hits.len() < self.pool {
                 match camera(self.counters) {
-                    Some(paths) => self.arrive(paths),
+                    Some(paths) => {
+                        self.begin(paths);
+                        self.shade_full();
+                    }
                     None => more = false,
                 }
             }
@@ -115,71 +119,85 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
                 break;
             }
         }
-        while !self.missed.is_empty() {
-            self.add_environment();
-        }
+        self.add_rest();
         self.tap_ends();
     }
 
     /// Traces the packets from `first` on.
+    #[inline(never)]
     fn trace(&mut self, first: usize) {
         let count = (self.going.len() - first).div_ceil(R::WIDTH).min(TOGETHER);
         let nowhere = Ray::new(Vec3::zero(), Vec3::zero(), R::zero());
         let (mut rays, mut active) = ([nowhere; TOGETHER], [R::Mask::splat(false); TOGETHER]);
         let mut hits = [Hit::miss(R::zero()); TOGETHER];
         for k in 0..count {
-            let (row, alive) = self.going.packet(first + k * R::WIDTH);
-            (rays[k], active[k]) = (unpack(&row, alive).ray, alive);
-            self.counters.traced(false, alive);
+            let first = first + k * R::WIDTH;
+            (rays[k], active[k]) = (path_ray(&self.going.fields(0, first)), self.going.rows(first));
+            self.counters.traced(false, active[k]);
         }
         self.world.closest_many::<R, T::Bounce>(&rays[..count], &active[..count], &mut hits[..count]);
         for (k, hit) in hits[..count].iter().enumerate() {
-            let (row, alive) = self.going.packet(first + k * R::WIDTH);
-            let mut paths = unpack(&row, alive);
-            paths.hit = cutout::stopping::<R, T::Bounce>(self.world, &paths.ray, &paths.rng, paths.bounce, *hit, alive);
-            self.arrive(paths);
+            self.arrive(first + k * R::WIDTH, *hit, active[k]);
+        }
+        self.shade_full();
+    }
+
+    /// The packet of rays from `first` on has been traced: those that hit wait to be [shaded](Self::shade_full).
+    #[inline(always)]
+    fn arrive(&mut self, first: usize, mut hit: Hit<R>, alive: R::Mask) {
+        if self.world.plan.cutouts {
+            let Paths { ray, rng, bounce, .. } = unpack(&self.going.fields(0, first), alive);
+            hit = cutout::stopping::<R, T::Bounce>(self.world, &ray, &rng, bounce, hit, alive);
+        }
+        if P::ACTIVE {
+            let [slot, bounce] = self.going.fields(NAME, first);
+            path::tap_hit(self.probe, Lanes { slot: slot.to_bits(), bounce, active: alive }, &mut hit);
+        }
+        let found = alive & hit.valid();
+        let missed = alive & !found;
+        if missed.any() {
+            self.leave(missed, &self.going.fields(DIRECTION, first));
+        }
+        if found.any() {
+            self.hits.push_longer(found, &self.going, first, pack_hit(&hit));
         }
     }
 
-    /// Rays have been traced: those that hit are shaded as soon as they fill a packet.
+    /// The same of paths that begin.
     #[inline(always)]
-    fn arrive(&mut self, mut paths: Paths<R>) {
-        let lanes = paths.lanes(paths.alive);
-        path::tap_hit(self.probe, lanes, &mut paths.hit);
-        let hit = paths.alive & paths.hit.valid();
-        let missed = paths.alive & !hit;
+    fn begin(&mut self, mut paths: Paths<R>) {
+        path::tap_hit(self.probe, paths.lanes(paths.alive), &mut paths.hit);
+        let found = paths.alive & paths.hit.valid();
+        let missed = paths.alive & !found;
+        let row = pack(&paths);
         if missed.any() {
-            self.leave(&paths, missed);
+            self.leave(missed, &array::from_fn(|k| row[DIRECTION + k]));
         }
-        if hit.all() {
-            self.shade(paths);
-        } else if hit.any() {
-            self.hits.push(hit, &pack_hits(&paths));
-            if self.hits.len() >= R::WIDTH {
-                self.shade_waiting();
-            }
+        if found.any() {
+            let hit = pack_hit(&paths.hit);
+            self.hits.push(found, &array::from_fn(|k| if k < GOING { row[k] } else { hit[k - GOING] }));
         }
     }
 
     /// Rays left the scene.
     #[inline(always)]
-    fn leave(&mut self, paths: &Paths<R>, missed: R::Mask) {
+    fn leave(&mut self, missed: R::Mask, row: &[R; MISSED]) {
         if self.world.plan.environment || S::OWN_LIGHT {
-            let (d, b) = (paths.ray.direction, paths.beta);
-            let slot = R::from_bits(paths.slot);
-            self.missed.push(missed, &[d.x, d.y, d.z, b.x, b.y, b.z, paths.bsdf_pdf, slot, paths.bounce]);
-            if self.missed.len() >= R::WIDTH {
+            self.missed.push(missed, row);
+            if self.missed.full() > 0 {
                 self.add_environment();
+                self.missed.keep_rest();
             }
         } else if P::ACTIVE {
-            self.note_ends(paths.lanes(missed));
+            let [.., slot, bounce] = *row;
+            self.note_ends(Lanes { slot: slot.to_bits(), bounce, active: missed });
         }
     }
 
     /// Radiance of the environment for a packet of rays that left the scene.
     #[inline(never)]
     fn add_environment(&mut self) {
-        let ([dx, dy, dz, bx, by, bz, bsdf_pdf, slot, bounce], active) = self.missed.pop();
+        let ([dx, dy, dz, bx, by, bz, bsdf_pdf, slot, bounce], active) = self.missed.packet(0);
         let lanes = Lanes { slot: slot.to_bits(), bounce, active };
         let (radiance, pdf) = self.shade.escaped(self.world, Vec3::new(dx, dy, dz));
         let contribution = Vec3::new(bx, by, bz).hadamard(radiance) * mis_weight(bsdf_pdf, pdf);
@@ -190,28 +208,40 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
         }
     }
 
-    /// A packet of hits that came one by one.
-    #[inline(never)]
-    fn shade_waiting(&mut self) {
-        let (row, alive) = self.hits.pop();
-        self.shade(unpack_hits(&row, alive));
+    fn add_rest(&mut self) {
+        if !self.missed.is_empty() {
+            self.add_environment();
+            self.missed.clear();
+        }
+    }
+
+    /// Shades the packets that have filled.
+    fn shade_full(&mut self) {
+        let full = self.hits.full();
+        if full > 0 {
+            for first in (0..full).step_by(R::WIDTH) {
+                self.shade(first);
+            }
+            self.hits.keep_rest();
+        }
     }
 
     fn shade_rest(&mut self) {
-        while !self.hits.is_empty() {
-            self.shade_waiting();
+        if !self.hits.is_empty() {
+            self.shade(0);
+            self.hits.clear();
         }
     }
 
-    /// One vertex of every path.
+    /// One vertex of the paths of a packet of hits.
     #[inline(never)]
-    fn shade(&mut self, mut paths: Paths<R>) {
-        self.counters.shaded(paths.alive);
-        let arrived = paths.alive;
-        if let Some(direct) = path::vertex(self.world, self.shade, &mut paths, self.out, self.probe) {
-            self.counters.shadow(direct.carries);
-            self.shadows.push(direct.carries, &pack_shadows(&direct, &paths));
-        }
+    fn shade(&mut self, first: usize) {
+        let (row, arrived) = self.hits.packet(first);
+        let mut paths = unpack_hits(&row, arrived);
+        self.counters.shaded(arrived);
+        let shadows = self.shadows.len();
+        path::vertex(self.world, self.shade, &mut paths, self.out, &mut self.shadows, self.probe);
+        self.counters.shadow_rays += (self.shadows.len() - shadows) as u64;
         if P::ACTIVE {
             self.note_ends(paths.lanes(arrived & !paths.alive));
         }
@@ -241,26 +271,27 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
         let mut rays = [Ray::new(Vec3::zero(), Vec3::zero(), R::zero()); TOGETHER];
         let (mut active, mut occluded) = ([none; TOGETHER], [none; TOGETHER]);
         for k in 0..count {
-            let (row, carries) = self.shadows.packet(first + k * R::WIDTH);
-            (rays[k], active[k]) = (shadow_ray(&row), carries);
+            let first = first + k * R::WIDTH;
+            (rays[k], active[k]) = (shadow_ray(&self.shadows.fields(0, first)), self.shadows.rows(first));
         }
         self.world.occluded_many::<R, T::Shadow>(&rays[..count], &active[..count], &mut occluded[..count]);
         for (k, occluded) in occluded.into_iter().enumerate().take(count) {
-            let (row, carries) = self.shadows.packet(first + k * R::WIDTH);
-            self.add_unhidden(&row, carries, occluded);
+            self.add_unhidden(first + k * R::WIDTH, active[k], occluded);
         }
     }
 
+    /// Of the packet from `first` on.
     #[inline(always)]
-    fn add_unhidden(&mut self, row: &[R; SHADOW], carries: R::Mask, occluded: R::Mask) {
-        let [.., r, g, b, slot, bounce] = *row;
+    fn add_unhidden(&mut self, first: usize, carries: R::Mask, occluded: R::Mask) {
+        let [r, g, b, slot, bounce] = self.shadows.fields(CONTRIBUTION, first);
         let (world, contribution) = (self.world, Vec3::new(r, g, b));
         let lanes = |active| Lanes::<R> { slot: slot.to_bits(), bounce, active };
         let occluded = self.probe.tap_mask(Stage::Shadow, lanes(carries), occluded);
         self.out.add(slot.to_bits(), contribution, carries & !occluded);
         let hidden = carries & occluded;
         if world.plan.cutouts && hidden.any() {
-            let clear = cutout::transmittance::<R, T::Bounce>(world, &shadow_ray(row), hidden);
+            let ray = shadow_ray(&self.shadows.fields(0, first));
+            let clear = cutout::transmittance::<R, T::Bounce>(world, &ray, hidden);
             let clear = self.probe.tap(Stage::Shadow, lanes(hidden), clear);
             self.out.add(slot.to_bits(), contribution * clear, hidden);
         }

@@ -195,7 +195,7 @@ impl World {
     }
 
     /// A sample of some light as seen from `p`: area lights by power, or from a [table](Lights::table_at) where there is a grid.
-    #[inline(never)]
+    #[inline(always)]
     pub fn sample_light<R: Real>(
         &self,
         p: Vec3<R>,
@@ -204,7 +204,7 @@ impl World {
         u: [R; 2],
         active: R::Mask,
     ) -> Option<LightSample<R>> {
-        Some(self.lights.as_ref()?.sample_from(p, table, u_choice, u, active))
+        Some(sample_one_of(self.lights.as_ref()?, p, table, u_choice, u, active))
     }
 
     /// Lanes whose primitive is a sphere. Primitives are fewer than 2³¹: the difference is negative for triangles.
@@ -225,6 +225,19 @@ impl World {
     pub fn sphere_at<R: Real>(&self, primitive: R::Bits, on_sphere: R::Mask) -> SphereAt<R> {
         self.spheres.fetch::<R>(primitive - R::Bits::splat(self.triangle_count), on_sphere)
     }
+}
+
+/// One copy a width, called: kernels stay small. Not an option of a sample, which would be copied whole to be looked into.
+#[inline(never)]
+pub(super) fn sample_one_of<R: Real>(
+    lights: &Lights,
+    p: Vec3<R>,
+    table: Option<R::Bits>,
+    u_choice: R,
+    u: [R; 2],
+    active: R::Mask,
+) -> LightSample<R> {
+    lights.sample_from(p, table, u_choice, u, active)
 }
 
 /// Gather rays draw from keys of their own, by points that the scene chooses; the rest is independent.

@@ -169,19 +169,17 @@ impl<B: Bsdf, L: Light> Shade for Own<B, L> {
         u_choice: R,
         u: [R; 2],
         active: R::Mask,
-    ) -> Option<LightSample<R>> {
+    ) -> LightSample<R> {
         if !L::SHINES {
-            return world.sample_light(p, Some(table), u_choice, u, active);
+            return Shade::sample_light(&AllModels, world, p, table, u_choice, u, active);
         }
         let share = R::splat(Self::share(world));
         let to_own = u_choice.lt(share) & active;
         let own = self.sample_own_light(world, p, u, to_own);
         let rest = rescale(u_choice, share, R::one());
-        let Some(mut scenes) = world.sample_light(p, Some(table), rest, u, active & !to_own) else {
-            return Some(own);
-        };
+        let mut scenes = Shade::sample_light(&AllModels, world, p, table, rest, u, active & !to_own);
         scenes.pdf = scenes.pdf * (R::one() - share);
-        Some(LightSample::select(to_own, own, scenes))
+        LightSample::select(to_own, own, scenes)
     }
 
     #[inline(always)]
