@@ -31,4 +31,4 @@ pub use spawn::{
 };
 pub use sphere::intersect_sphere;
 pub use triangle::{Edges, RaySetup, SharedEdge, Shear, Vertices, first_of_pair, second_of_pair};
-pub use triangle::{edges, largest, own_box, pass_edges, plane_normal};
+pub use triangle::{edges, largest, meet_plane, own_box, pass_edges, plane_normal};

@@ -1,6 +1,6 @@
 //! One row per primitive, fetched per lane and transposed.
 
-use crate::lane::{Bits, Real, Vec3};
+use crate::lane::{Bits, Real, Vec3, array};
 
 /// A table of rows of `N` values that lanes fetch by index. Row 0 starts a cache line, so that rows of 4, 8 or 16 lie
 /// within one each.
@@ -9,7 +9,13 @@ pub struct Rows<const N: usize> {
     values: Vec<f32>,
     /// Where row 0 starts: vectors are aligned to 4 bytes only.
     start: usize,
+    /// The same values column by column, zeros after the last row, where a column fits [`FEW`] places; else empty.
+    columns: Vec<[f32; FEW]>,
 }
+
+/// A column of so many values lies in two registers of 16 lanes, or of 8 if there are at most half as many: a field of all
+/// lanes is then a permutation of them or two, where a row a lane would have to be read and transposed.
+const FEW: usize = 32;
 
 impl<const N: usize> Rows<N> {
     /// Row 0 exists even in an empty table (zeros), so that dead lanes have something to read.
@@ -21,20 +27,41 @@ impl<const N: usize> Rows<N> {
         values.resize(start, 0.0);
         values.extend_from_slice(rows.as_flattened());
         values.resize(start + count, 0.0);
-        Self { values, start }
+        let column = |c: usize| array::from_fn(|r| rows.get(r).map_or(0.0, |row: &[f32; N]| row[c]));
+        let columns = if rows.len() <= FEW { (0..N).map(column).collect() } else { Vec::new() };
+        Self { values, start, columns }
     }
     fn rows(&self) -> &[[f32; N]] {
         self.values[self.start..].as_chunks().0
     }
     pub fn bytes(&self) -> usize {
-        core::mem::size_of_val(self.values.as_slice())
+        core::mem::size_of_val(self.values.as_slice()) + core::mem::size_of_val(self.columns.as_slice())
     }
-    /// Column `c` of row `index.lane(i)` in lane `i`; lanes that are not `valid` read row 0. Panics if a valid lane's
-    /// index is past the end.
+    /// Column `c` of row `index.lane(i)` in lane `i`; lanes that are not `valid` read row 0. Domain: indices of valid lanes
+    /// below the number of rows; past the end it panics, or gives another row where there are few.
     #[inline(always)]
     pub fn fetch<R: Real>(&self, index: R::Bits, valid: R::Mask) -> [R; N] {
-        R::fetch_rows(self.rows(), R::Bits::select(valid, index, R::Bits::splat(0)))
+        let index = R::Bits::select(valid, index, R::Bits::splat(0));
+        let rows = self.rows();
+        match <&[[f32; FEW]; N]>::try_from(self.columns.as_slice()) {
+            Ok(columns) if R::PERMUTES && rows.len() <= R::WIDTH => {
+                array::from_fn(|c| R::load(&columns[c]).permute(index))
+            }
+            Ok(columns) if R::PERMUTES && rows.len() <= 2 * R::WIDTH => permuted(columns, index),
+            _ => R::fetch_rows(rows, index),
+        }
     }
+}
+
+/// What [`Rows::fetch`] gives, of at most twice as many rows as there are lanes.
+#[inline(always)]
+fn permuted<R: Real, const N: usize>(columns: &[[f32; FEW]; N], index: R::Bits) -> [R; N] {
+    let width = R::Bits::splat(R::WIDTH as u32);
+    let low = (index & width).eq(R::Bits::splat(0));
+    array::from_fn(|c| {
+        let half = |first: usize| R::load(&columns[c][first..]).permute(index);
+        R::select(low, half(0), half(R::WIDTH))
+    })
 }
 
 impl<const N: usize> Default for Rows<N> {

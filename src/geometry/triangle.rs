@@ -34,6 +34,12 @@ impl<R: Real> Shear<R> {
         let [x, y, z] = axes(|k| p[k] - self.origin[k]);
         [self.scale[0].neg_mul_add(z, x), self.scale[1].neg_mul_add(z, y), z]
     }
+    /// x and y of [`Shear::apply`].
+    #[inline(always)]
+    pub fn across(&self, p: [R; 3]) -> [R; 2] {
+        let [x, y, _] = self.apply(p);
+        [x, y]
+    }
 }
 
 /// Three vertices, three coordinates each.
@@ -124,7 +130,12 @@ impl<R: Real> SharedEdge<R> {
     /// The products of an edge function are plain: shared edges then give exactly opposite values, and monotone rounding
     /// never flips a sign, so no ray passes between two triangles. (One fused multiply-add there loses 4.5 % of edge hits.)
     #[inline(always)]
-    pub fn new(a: Moved<R>, c: Moved<R>) -> Self {
+    pub fn new([ax, ay, _]: Moved<R>, [cx, cy, _]: Moved<R>) -> Self {
+        Self::across([ax, ay], [cx, cy])
+    }
+    /// The same of vertices without their depths.
+    #[inline(always)]
+    pub fn across(a: [R; 2], c: [R; 2]) -> Self {
         Self(a[0] * c[1] - a[1] * c[0])
     }
     /// For a triangle whose vertices 0 and 2 are `a` and `c`.
@@ -211,9 +222,8 @@ impl<R: Real> Edges<R> {
     /// thin. Seen from a low angle t is not (`STEEP`): `Edges::grazing` has those.
     #[inline(always)]
     pub fn distances(&self, setup: &RaySetup<R>, v0: [R; 3], normal: [R; 3], normal_size: R) -> (R::Mask, R) {
-        let along = dot(normal, setup.direction);
-        let mut t = dot(normal, axes(|k| v0[k] - setup.origin[k])) / along;
-        let steep = along.abs().ge(normal_size * (largest(setup.direction) * R::splat(STEEP)));
+        let (mut t, steepness) = meet_plane(setup, axes(|k| v0[k] - setup.origin[k]), normal, normal_size);
+        let steep = steepness.ge(R::zero());
         let inside = self.inside & !self.sum.eq(R::zero());
         let mut hits = inside & t.gt(R::zero());
         let grazing = inside & !steep;
@@ -245,6 +255,16 @@ impl<R: Real> Edges<R> {
 /// A ray meets a plane steeply where |n·d| is at least this share of max|n_k|·max|d_k|. t then is sure to
 /// ε·length/`STEEP` = 2⁻¹⁸·length, and needs no help from the vertices. (1.5 % of the directions are less steep.)
 const STEEP: f32 = 1.0 / 64.0;
+
+/// Distance to the plane of `normal` through a point that lies `way` from the origin, and by how much it is met steeply: less
+/// than zero where the angle is low.
+#[inline(always)]
+pub fn meet_plane<R: Real>(setup: &RaySetup<R>, way: [R; 3], normal: [R; 3], normal_size: R) -> (R, R) {
+    let along = dot(normal, setup.direction);
+    // A difference is zero between equals alone.
+    let steepness = along.abs() - normal_size * (largest(setup.direction) * R::splat(STEEP));
+    (dot(normal, way) / along, steepness)
+}
 
 /// The largest magnitude.
 #[inline(always)]

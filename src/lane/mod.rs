@@ -103,6 +103,8 @@ pub trait Bits:
     fn rotl<const K: i32>(self) -> Self;
     /// Lane by lane.
     fn eq(self, other: Self) -> Self::Mask;
+    /// `self < other`, of numbers without sign.
+    fn lt(self, other: Self) -> Self::Mask;
     /// Lanes of `if_true` where the mask holds, else of `if_false`.
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
 }
@@ -126,6 +128,8 @@ pub trait Real:
     type Mask: Mask;
     /// Of as many lanes.
     type Bits: Bits<Mask = Self::Mask>;
+    /// Does [`Real::permute`] take an instruction or two?
+    const PERMUTES: bool;
     /// What tests the eight children of a tree node: a register, or at width 1 a loop of eight scalar tests.
     type Eight: Real;
 

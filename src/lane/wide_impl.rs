@@ -10,6 +10,7 @@ pub(super) trait MaskOps<F, U>: Mask {
     fn ge(a: F, b: F) -> Self;
     fn eq(a: F, b: F) -> Self;
     fn eq_bits(a: U, b: U) -> Self;
+    fn lt_bits(a: U, b: U) -> Self;
     fn blend(self, if_true: F, if_false: F) -> F;
     fn blend_bits(self, if_true: U, if_false: U) -> U;
 }
@@ -67,6 +68,10 @@ macro_rules! wide_lanes {
                 <$mask as super::MaskOps<$f, $u>>::eq_bits(self, other)
             }
             #[inline(always)]
+            fn lt(self, other: Self) -> $mask {
+                <$mask as super::MaskOps<$f, $u>>::lt_bits(self, other)
+            }
+            #[inline(always)]
             fn select(mask: $mask, if_true: Self, if_false: Self) -> Self {
                 super::MaskOps::<$f, $u>::blend_bits(mask, if_true, if_false)
             }
@@ -74,6 +79,7 @@ macro_rules! wide_lanes {
 
         impl Real for $f {
             const WIDTH: usize = $width;
+            const PERMUTES: bool = $width == 8 || cfg!(target_feature = "avx512f");
             type Mask = $mask;
             type Bits = $u;
             type Eight = $eight;
@@ -303,6 +309,10 @@ macro_rules! wide_masks {
             #[inline(always)]
             fn eq_bits(a: $u, b: $u) -> Self {
                 Self(reinterpret!(a.simd_eq(b), $u, $f, $width))
+            }
+            #[inline(always)]
+            fn lt_bits(a: $u, b: $u) -> Self {
+                Self(reinterpret!(a.simd_lt(b), $u, $f, $width))
             }
             #[inline(always)]
             fn blend(self, if_true: $f, if_false: $f) -> $f {

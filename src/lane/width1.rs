@@ -90,6 +90,10 @@ impl Bits for U32x1 {
         self.0 == other.0
     }
     #[inline(always)]
+    fn lt(self, other: Self) -> bool {
+        self.0 < other.0
+    }
+    #[inline(always)]
     fn select(mask: bool, if_true: Self, if_false: Self) -> Self {
         if mask { if_true } else { if_false }
     }
@@ -97,6 +101,7 @@ impl Bits for U32x1 {
 
 impl Real for f32 {
     const WIDTH: usize = 1;
+    const PERMUTES: bool = false;
     type Mask = bool;
     type Bits = U32x1;
     type Eight = f32;

@@ -71,7 +71,7 @@ mod mask_register {
     mask_op!(BitOr, bitor, |);
     mask_op!(BitXor, bitxor, ^);
 
-    // SAFETY (all four): the module is compiled only where the build enables avx512f, and a build runs only on a CPU
+    // SAFETY (all five): the module is compiled only where the build enables avx512f, and a build runs only on a CPU
     // that `cpu::guard` found to have its features. The types are plain registers; no memory is touched.
     #[inline(always)]
     pub fn compare<const OP: i32>(a: f32x16, b: f32x16) -> Mask16 {
@@ -80,6 +80,10 @@ mod mask_register {
     #[inline(always)]
     pub fn equal(a: u32x16, b: u32x16) -> Mask16 {
         Mask16(unsafe { _mm512_cmpeq_epi32_mask(a.into(), b.into()) })
+    }
+    #[inline(always)]
+    pub fn less(a: u32x16, b: u32x16) -> Mask16 {
+        Mask16(unsafe { _mm512_cmplt_epu32_mask(a.into(), b.into()) })
     }
     #[inline(always)]
     pub fn blend(mask: Mask16, if_true: f32x16, if_false: f32x16) -> f32x16 {
@@ -114,6 +118,10 @@ mod mask_register {
         #[inline(always)]
         fn eq_bits(a: u32x16, b: u32x16) -> Self {
             equal(a, b)
+        }
+        #[inline(always)]
+        fn lt_bits(a: u32x16, b: u32x16) -> Self {
+            less(a, b)
         }
         #[inline(always)]
         fn blend(self, if_true: f32x16, if_false: f32x16) -> f32x16 {
