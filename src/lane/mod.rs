@@ -11,6 +11,7 @@
 pub mod array;
 pub mod float_mode;
 pub mod math;
+mod register;
 mod shuffle;
 mod vec3;
 mod wide_impl;

@@ -23,7 +23,7 @@ macro_rules! wide_lanes {
             type Mask = $mask;
             #[inline(always)]
             fn splat(value: u32) -> Self {
-                $u::splat(value)
+                <$u as Register<u32>>::filled(value)
             }
             #[inline(always)]
             fn from_fn(f: impl FnMut(usize) -> u32) -> Self {
@@ -39,17 +39,15 @@ macro_rules! wide_lanes {
             }
             #[inline(always)]
             fn load(slice: &[u32]) -> Self {
-                let mut lanes = [0; $width];
-                lanes.copy_from_slice(&slice[..$width]);
-                $u::new(lanes)
+                <$u as Register<u32>>::read(slice)
             }
             #[inline(always)]
             fn store(self, slice: &mut [u32]) {
-                slice[..$width].copy_from_slice(&self.to_array());
+                <$u as Register<u32>>::write(self, slice);
             }
             #[inline(always)]
             fn unpack_octal(word: u32) -> Self {
-                $u::splat(word) >> $u::new(crate::lane::array::from_fn(|i| 3 * (i as u32 % 8)))
+                <Self as Bits>::splat(word) >> $u::new(crate::lane::array::from_fn(|i| 3 * (i as u32 % 8)))
             }
             #[inline(always)]
             fn shl<const K: i32>(self) -> Self {
@@ -86,7 +84,7 @@ macro_rules! wide_lanes {
 
             #[inline(always)]
             fn splat(value: f32) -> Self {
-                $f::splat(value)
+                <$f as Register<f32>>::filled(value)
             }
             #[inline(always)]
             fn from_fn(f: impl FnMut(usize) -> f32) -> Self {
@@ -94,13 +92,11 @@ macro_rules! wide_lanes {
             }
             #[inline(always)]
             fn load(slice: &[f32]) -> Self {
-                let mut lanes = [0.0; $width];
-                lanes.copy_from_slice(&slice[..$width]);
-                $f::new(lanes)
+                <$f as Register<f32>>::read(slice)
             }
             #[inline(always)]
             fn store(self, slice: &mut [f32]) {
-                slice[..$width].copy_from_slice(&self.to_array());
+                <$f as Register<f32>>::write(self, slice);
             }
             #[inline(always)]
             fn lane(&self, i: usize) -> f32 {
@@ -144,7 +140,7 @@ macro_rules! wide_lanes {
             }
             #[inline(always)]
             fn copysign(self, sign: Self) -> Self {
-                let sign_bit = $f::splat(-0.0);
+                let sign_bit = <Self as Real>::splat(-0.0);
                 (sign & sign_bit) | (self & !sign_bit)
             }
             #[inline(always)]
@@ -240,7 +236,7 @@ macro_rules! wide_masks {
         impl Mask for $mask {
             #[inline(always)]
             fn splat(value: bool) -> Self {
-                Self($f::splat(f32::from_bits(if value { u32::MAX } else { 0 })))
+                Self(<$f as Real>::splat(f32::from_bits(if value { u32::MAX } else { 0 })))
             }
             #[inline(always)]
             fn bits(self) -> u32 {
@@ -249,7 +245,7 @@ macro_rules! wide_masks {
             #[inline(always)]
             fn from_bits(bits: u32) -> Self {
                 let powers = $powers;
-                let set: $u = ($u::splat(bits) & powers).simd_eq(powers);
+                let set: $u = (<$u as Bits>::splat(bits) & powers).simd_eq(powers);
                 Self(reinterpret!(set, $u, $f, $width))
             }
             #[inline(always)]

@@ -1,5 +1,6 @@
 //! Width 16: one AVX-512 register with its mask register, or two AVX registers.
 
+use super::register::Register;
 use super::{Bits, Mask, Real, reinterpret};
 use wide::{f32x8, f32x16, i32x16, u32x16};
 

@@ -1,5 +1,6 @@
 //! Width 8: one AVX register.
 
+use super::register::Register;
 use super::{Bits, Mask, Real, reinterpret};
 use wide::{f32x8, i32x8, u32x8};
 
