@@ -1,7 +1,7 @@
 //! The vertices of a group of triangles as a packet of rays sees them, each moved once.
 
 use crate::geometry::Shear;
-use crate::lane::{Bits, Real, axes};
+use crate::lane::{Real, axes};
 use core::mem::MaybeUninit;
 
 /// The most vertices a group has: with 16 lanes 8 KB on the stack.
@@ -40,31 +40,36 @@ impl Vertices {
     pub fn bytes(&self) -> usize {
         core::mem::size_of_val(self.list.as_slice())
     }
+}
 
-    /// Moves all vertices into the space of each ray.
+/// Of each vertex x and y across the ray. Room for [`MOST`], of which the first `len` are written: clearing all would cost as
+/// much as moving them.
+pub struct Moved<R> {
+    across: [MaybeUninit<[R; 2]>; MOST],
+    len: usize,
+}
+
+impl<R: Real> Moved<R> {
     #[inline(always)]
-    pub fn moved<'a, R: Real>(&'a self, shear: &Shear<R>, order: &[R::Bits; 3]) -> Moved<'a, R> {
-        let mut across = [const { MaybeUninit::uninit() }; MOST];
-        for (place, vertex) in across.iter_mut().zip(&self.list) {
+    pub fn new() -> Self {
+        Moved { across: [const { MaybeUninit::uninit() }; MOST], len: 0 }
+    }
+
+    /// Moves vertices into the space of each ray, in place of those before.
+    #[inline(always)]
+    pub fn fill(&mut self, vertices: &Vertices, shear: &Shear<R>, order: &[R::Bits; 3]) {
+        self.len = vertices.list.len().min(MOST);
+        for (place, vertex) in self.across[..self.len].iter_mut().zip(&vertices.list) {
             place.write(shear.across(axes(|k| R::lookup4(vertex, order[k]))));
         }
-        Moved { of: self, across }
     }
-}
 
-/// Of each of its [`Vertices`] x and y across the ray.
-pub struct Moved<'a, R> {
-    of: &'a Vertices,
-    across: [MaybeUninit<[R; 2]>; MOST],
-}
-
-impl<R: Real> Moved<'_, R> {
-    /// Panics if the corner is of other vertices, and there are fewer here.
+    /// Panics past the last vertex.
     #[inline(always)]
     pub fn at(&self, corner: Corner) -> [R; 2] {
         let place = usize::from(corner.0);
-        assert!(place < self.of.list.len() && place < MOST);
-        // SAFETY: `Vertices::moved` wrote as many places as there are vertices.
+        assert!(place < self.len);
+        // SAFETY: `Moved::fill` wrote the first `len` places, and left `len` at 0 or there.
         unsafe { self.across[place].assume_init() }
     }
 }

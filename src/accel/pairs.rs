@@ -123,8 +123,9 @@ impl Pairs {
     #[inline(always)]
     pub fn sieve<R: Real>(&self, setup: &RaySetup<R>, mut visit: impl FnMut(Sifted<R>)) -> R::Bits {
         let mut low = R::Bits::splat(0);
+        let mut moved = Moved::new();
         for (vertices, range) in &self.groups {
-            let moved = vertices.moved(&setup.shear, &setup.order);
+            moved.fill(vertices, &setup.shear, &setup.order);
             for pair in &self.list[range.clone()] {
                 pair.sift(setup, &moved, &mut low, &mut visit);
             }

@@ -23,6 +23,7 @@ pub struct MaterialTable {
 }
 
 /// The materials at a packet's hits.
+#[derive(Clone, Copy)]
 pub struct MaterialAt<R: Real> {
     kind: R,
     /// Reflectance, kd, η or f0.
@@ -201,7 +202,7 @@ impl<R: Real> MaterialAt<R> {
     /// The models of a base and a lobe in the lanes that have them; the others keep `eval`. One copy a width, called, so
     /// that kernels of scenes without them stay small.
     #[inline(never)]
-    fn eval_layered(&self, wo: Vec3<R>, wi: Vec3<R>, active: R::Mask, mut eval: Eval<R>) -> Eval<R> {
+    fn eval_layered(self, wo: Vec3<R>, wi: Vec3<R>, active: R::Mask, mut eval: Eval<R>) -> Eval<R> {
         let phong = self.is(KIND_PHONG);
         if (phong & active).any() {
             eval = select_eval(phong, self.phong().eval(wo, wi), eval);
@@ -215,7 +216,7 @@ impl<R: Real> MaterialAt<R> {
 
     /// See [`MaterialAt::eval_layered`].
     #[inline(never)]
-    fn sample_layered(&self, wo: Vec3<R>, u_lobe: R, u: [R; 2], active: R::Mask, mut sample: Sample<R>) -> Sample<R> {
+    fn sample_layered(self, wo: Vec3<R>, u_lobe: R, u: [R; 2], active: R::Mask, mut sample: Sample<R>) -> Sample<R> {
         let phong = self.is(KIND_PHONG);
         if (phong & active).any() {
             sample = Sample::select(phong, self.phong().sample(wo, u_lobe, u), sample);

@@ -36,6 +36,7 @@ pub trait Traversal: 'static {
 }
 
 /// The paths of one packet.
+#[derive(Clone, Copy)]
 pub struct Paths<R: Real> {
     pub ray: Ray<R>,
     pub hit: Hit<R>,
@@ -92,12 +93,14 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
     let lanes = paths.lanes(alive);
     let mut surface = Surface::at(world, &paths.ray, &paths.hit, alive);
     if out.features.is_some() {
-        write_features(world, paths, &surface, alive, out);
+        write_features(world, *paths, surface, alive, out);
     }
     if world.plan.area_lights {
         add_emission(world, shade, paths, &surface, out, probe);
     }
-    let mut u = world.bounce_numbers(&mut paths.rng, paths.bounce);
+    let mut rng = paths.rng;
+    let mut u = world.bounce_numbers(&mut rng, paths.bounce);
+    paths.rng = rng;
     for x in &mut u {
         *x = probe.tap(Stage::Random, lanes, *x);
     }
@@ -289,8 +292,8 @@ fn roulette<R: Real, P: Probe>(paths: &mut Paths<R>, u: R, probe: &mut P) {
 #[inline(never)]
 fn write_features<R: Real>(
     world: &World,
-    paths: &Paths<R>,
-    surface: &Surface<R>,
+    paths: Paths<R>,
+    surface: Surface<R>,
     on_surface: R::Mask,
     out: &mut SampleBuffer,
 ) {

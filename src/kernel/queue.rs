@@ -42,9 +42,14 @@ impl<R: Real, const N: usize> Queue<R, N> {
     /// Appends the lanes of `mask`, in order. Panics where there is no room.
     #[inline(always)]
     pub fn push(&mut self, mask: R::Mask, row: &[R; N]) {
-        let (bits, len) = (mask.bits(), self.len);
-        for (field, value) in self.values[self.start..].chunks_exact_mut(self.stride).zip(row) {
-            value.compress(bits).store(&mut field[len..]);
+        let bits = mask.bits();
+        // All fields at constant places, so that the row need not be in memory.
+        let mut places = &mut self.values[self.start..][..N * self.stride];
+        let mut k = 0;
+        while k < N {
+            let (field, rest) = places.split_at_mut(self.stride);
+            row[k].compress(bits).store(&mut field[self.len..]);
+            (places, k) = (rest, k + 1);
         }
         self.len += bits.count_ones() as usize;
     }
@@ -76,11 +81,16 @@ impl<R: Real, const N: usize> Queue<R, N> {
         (self.fields(0, first), self.rows(first))
     }
 
+    /// One value of each row of the packet from `first` on.
+    #[inline(always)]
+    pub fn field(&self, field: usize, first: usize) -> R {
+        R::load(&self.values[self.start + field * self.stride + first..])
+    }
+
     /// `K` values from `field` on of the packet of rows from `first` on.
     #[inline(always)]
     pub fn fields<const K: usize>(&self, field: usize, first: usize) -> [R; K] {
-        let fields = &self.values[self.start + field * self.stride..];
-        array::from_fn(|k| R::load(&fields[k * self.stride + first..]))
+        array::from_fn(|k| self.field(field + k, first))
     }
 
     /// Which lanes of the packet from `first` on are rows.

@@ -2,7 +2,7 @@
 
 use super::path::Paths;
 use crate::geometry::{Hit, Ray};
-use crate::lane::{Real, Vec3};
+use crate::lane::{Real, Vec3, array};
 use crate::sampling::Sampler;
 
 /// Values a path keeps from vertex to vertex, and with its hit.
@@ -22,7 +22,7 @@ pub const CONTRIBUTION: usize = 7;
 #[inline(always)]
 pub fn pack<R: Real>(paths: &Paths<R>) -> [R; GOING] {
     let (o, d, b) = (paths.ray.origin, paths.ray.direction, paths.beta);
-    let [w0, w1, w2, w3] = paths.rng.words().map(R::from_bits);
+    let [w0, w1, w2, w3] = array::map(paths.rng.words(), R::from_bits);
     let (slot, table) = (R::from_bits(paths.slot), R::from_bits(paths.table));
     let (pdf, eta, bounce) = (paths.bsdf_pdf, paths.eta_squared, paths.bounce);
     [o.x, o.y, o.z, d.x, d.y, d.z, b.x, b.y, b.z, pdf, slot, bounce, w0, w1, w2, w3, eta, table]
@@ -45,35 +45,35 @@ pub fn shadow_ray<R: Real>(row: &[R; CONTRIBUTION]) -> Ray<R> {
     Ray { origin: Vec3::new(ox, oy, oz), direction: Vec3::new(dx, dy, dz), t_max }
 }
 
-/// The ray of the first values of a path on its way.
+/// The ray of a path on its way, from the fields of its row.
 #[inline(always)]
-pub fn path_ray<R: Real>(row: &[R; 6]) -> Ray<R> {
-    let [ox, oy, oz, dx, dy, dz] = *row;
-    Ray { origin: Vec3::new(ox, oy, oz), direction: Vec3::new(dx, dy, dz), t_max: R::splat(f32::INFINITY) }
+pub fn path_ray<R: Real>(field: impl Fn(usize) -> R) -> Ray<R> {
+    let vector = |k: usize| Vec3::new(field(k), field(k + 1), field(k + 2));
+    Ray { origin: vector(0), direction: vector(DIRECTION), t_max: R::splat(f32::INFINITY) }
 }
 
-/// Paths that hit something.
+/// Paths that hit something, from the fields of their rows. (One by one: an array of all would pass through memory.)
 #[inline(always)]
-pub fn unpack_hits<R: Real>(row: &[R; HIT], alive: R::Mask) -> Paths<R> {
-    let [going @ .., t, primitive, u, v] = row;
-    Paths { hit: Hit { t: *t, primitive: primitive.to_bits(), u: *u, v: *v }, ..unpack(going, alive) }
+pub fn unpack_hits<R: Real>(field: impl Fn(usize) -> R, alive: R::Mask) -> Paths<R> {
+    let (t, primitive) = (field(GOING), field(GOING + 1).to_bits());
+    let hit = Hit { t, primitive, u: field(GOING + 2), v: field(GOING + 3) };
+    Paths { hit, ..unpack(field, alive) }
 }
 
 /// Paths on their way, without a hit.
 #[inline(always)]
-pub fn unpack<R: Real>(row: &[R; GOING], alive: R::Mask) -> Paths<R> {
-    let [ox, oy, oz, dx, dy, dz, bx, by, bz, bsdf_pdf, slot, bounce, w0, w1, w2, w3, eta_squared, table] = *row;
-    let ray = path_ray(&[ox, oy, oz, dx, dy, dz]);
+pub fn unpack<R: Real>(field: impl Fn(usize) -> R, alive: R::Mask) -> Paths<R> {
+    let ray = path_ray(&field);
     Paths {
         hit: Hit::miss(ray.t_max),
         ray,
-        beta: Vec3::new(bx, by, bz),
-        rng: Sampler::from_words([w0, w1, w2, w3].map(R::to_bits)),
-        bsdf_pdf,
-        eta_squared,
-        bounce,
-        table: table.to_bits(),
-        slot: slot.to_bits(),
+        beta: Vec3::new(field(6), field(7), field(8)),
+        bsdf_pdf: field(9),
+        slot: field(NAME).to_bits(),
+        bounce: field(NAME + 1),
+        rng: Sampler::from_words(array::from_fn(|k| field(12 + k).to_bits())),
+        eta_squared: field(16),
+        table: field(17).to_bits(),
         alive,
     }
 }

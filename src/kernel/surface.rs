@@ -10,6 +10,9 @@ use crate::lane::{Mask, Real, Vec3};
 const LEAST_FACING: f32 = 1.0 / 64.0;
 
 /// Where a packet's rays met the scene.
+///
+/// What is called with a reference to it keeps all of it in memory: the functions that are not inlined get copies.
+#[derive(Clone, Copy)]
 pub struct Surface<R: Real> {
     /// The point and how far off it may be, in the kernel's unit.
     pub at: SurfacePoint<R>,
@@ -55,7 +58,9 @@ impl<R: Real> Surface<R> {
             surface.material = world.materials.fetch::<R>(material.to_int(), active);
             surface.light_row = light_row;
             if world.plan.textures {
-                maps::apply(world, &mut surface, hit, material.to_int(), -ray.direction, active);
+                let mut mapped = surface;
+                maps::apply(world, &mut mapped, hit, material.to_int(), -ray.direction, active);
+                surface = mapped;
             }
         }
         surface
@@ -99,14 +104,9 @@ impl<R: Real> Surface<R> {
     /// Puts the shading normal on the side of the geometric one, and turns it towards a viewer who sees that side but not
     /// its own, until he just does: rims of smooth models would else be black (Keller et al. 2017, "The Iray Light
     /// Transport Simulation and Rendering System", appendix A.3, in its simplest form). Normals that agree stay bit for bit.
-    #[inline(never)]
+    #[inline(always)]
     pub fn face(&mut self, wo: Vec3<R>) {
-        let seen = self.ng.dot(wo);
-        let towards = wo * R::one().copysign(seen);
-        let ns = Vec3::select(self.ng.dot(self.ns).lt(R::zero()), -self.ns, self.ns);
-        let missing = seen.abs().min_or(R::splat(LEAST_FACING)) - ns.dot(towards);
-        let turned = towards.mul_add(missing, ns).normalize();
-        self.ns = Vec3::select(missing.gt(R::zero()), turned, ns);
+        self.ns = facing(self.ng, self.ns, wo);
     }
 
     /// What a reflecting BSDF is multiplied by towards `wi` (its cosine to the shading normal `wi_z`, that of `wo` `wo_z`),
@@ -117,12 +117,9 @@ impl<R: Real> Surface<R> {
     /// because it is a factor in [0, 1] of the BSDF: whatever samples directions stays unbiased, no energy is gained, and
     /// no ray moves. Moving its origin onto a smooth surface (Hanika 2021, "Hacking the Shadow Terminator") keeps more
     /// light, but may carry it through a wall, and it lights facets that face away, which do not count here.
-    #[inline(never)]
+    #[inline(always)]
     pub fn terminator(&self, wi: Vec3<R>, wi_z: R, wo_z: R) -> R {
-        let g = (self.ng.dot(wi) / (wi_z * self.ng.dot(self.ns))).abs().min_or(R::one());
-        let softened = g * (g * (R::one() - g) + R::one());
-        let reflects = (wi_z * wo_z).gt(R::zero());
-        R::select(reflects, softened, R::one())
+        softening(self.ng, self.ns, wi, wi_z, wo_z)
     }
 
     /// The ray that leaves towards a unit direction.
@@ -144,4 +141,24 @@ impl<R: Real> Surface<R> {
             light_row: R::splat(self.light_row.lane(lane)),
         }
     }
+}
+
+/// See [`Surface::face`].
+#[inline(never)]
+fn facing<R: Real>(ng: Vec3<R>, ns: Vec3<R>, wo: Vec3<R>) -> Vec3<R> {
+    let seen = ng.dot(wo);
+    let towards = wo * R::one().copysign(seen);
+    let ns = Vec3::select(ng.dot(ns).lt(R::zero()), -ns, ns);
+    let missing = seen.abs().min_or(R::splat(LEAST_FACING)) - ns.dot(towards);
+    let turned = towards.mul_add(missing, ns).normalize();
+    Vec3::select(missing.gt(R::zero()), turned, ns)
+}
+
+/// See [`Surface::terminator`].
+#[inline(never)]
+fn softening<R: Real>(ng: Vec3<R>, ns: Vec3<R>, wi: Vec3<R>, wi_z: R, wo_z: R) -> R {
+    let g = (ng.dot(wi) / (wi_z * ng.dot(ns))).abs().min_or(R::one());
+    let softened = g * (g * (R::one() - g) + R::one());
+    let reflects = (wi_z * wo_z).gt(R::zero());
+    R::select(reflects, softened, R::one())
 }

@@ -132,7 +132,7 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
         let mut hits = [Hit::miss(R::zero()); TOGETHER];
         for k in 0..count {
             let first = first + k * R::WIDTH;
-            (rays[k], active[k]) = (path_ray(&self.going.fields(0, first)), self.going.rows(first));
+            (rays[k], active[k]) = (path_ray(|k| self.going.field(k, first)), self.going.rows(first));
             self.counters.traced(false, active[k]);
         }
         self.world.closest_many::<R, T::Bounce>(&rays[..count], &active[..count], &mut hits[..count]);
@@ -146,7 +146,7 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
     #[inline(always)]
     fn arrive(&mut self, first: usize, mut hit: Hit<R>, alive: R::Mask) {
         if self.world.plan.cutouts {
-            let Paths { ray, rng, bounce, .. } = unpack(&self.going.fields(0, first), alive);
+            let Paths { ray, rng, bounce, .. } = unpack(|k| self.going.field(k, first), alive);
             hit = cutout::stopping::<R, T::Bounce>(self.world, &ray, &rng, bounce, hit, alive);
         }
         if P::ACTIVE {
@@ -236,8 +236,8 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
     /// One vertex of the paths of a packet of hits.
     #[inline(never)]
     fn shade(&mut self, first: usize) {
-        let (row, arrived) = self.hits.packet(first);
-        let mut paths = unpack_hits(&row, arrived);
+        let arrived = self.hits.rows(first);
+        let mut paths = unpack_hits(|k| self.hits.field(k, first), arrived);
         self.counters.shaded(arrived);
         let shadows = self.shadows.len();
         path::vertex(self.world, self.shade, &mut paths, self.out, &mut self.shadows, self.probe);
