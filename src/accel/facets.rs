@@ -81,9 +81,8 @@ impl TriangleList {
         });
         let found = active & !primitive.eq(R::Bits::splat(MISS));
         let (enters, t_near) = self.enter(setup, primitive, found);
-        let low = active & is_set::<R>(low);
-        let sure = enters & t_near.lt(t_max) & !low;
-        let doubtful = low | (found & !sure);
+        let sure = enters & t_near.lt(t_max);
+        let doubtful = (found | (active & is_set::<R>(low))) & !sure;
         if doubtful.any() { sure | self.any_exact(setup, t_max, doubtful) } else { sure }
     }
 

@@ -43,7 +43,8 @@ pub struct Pairs {
 /// What [`Pairs::sieve`] finds of a packet and a triangle.
 pub struct Sifted<R: Real> {
     pub index: u32,
-    /// One less than the bits of t, where the ray passes between the edges and t > 0; else no less than those of any t.
+    /// One less than the bits of t, where the ray passes between the edges, meets the plane at no low angle, and t > 0; else
+    /// no less than that of any t.
     pub key: R::Bits,
     /// Unnormalised weights of vertices 1 and 2, and the sum of all three.
     pub weights: [R; 2],
@@ -115,8 +116,8 @@ impl Pairs {
         core::mem::size_of_val(self.list.as_slice()) + groups
     }
 
-    /// Shows `visit` every triangle in order. Own boxes are not looked at. Returns a word whose sign marks lanes of which
-    /// nothing is said: they pass some triangle's edges and meet its plane at a low angle.
+    /// Shows `visit` every triangle in order. Own boxes are not looked at. Returns a word whose sign marks lanes that pass
+    /// some triangle's edges and meet its plane at a low angle: whether and where they hit that one is not said.
     ///
     /// No branch on what a triangle was: what some lane of 16 does next is anybody's guess, and a wrong guess costs as
     /// much as the work it saves. Comparisons and minima, of which few fit a cycle, are replaced by arithmetic on signs.
@@ -186,6 +187,6 @@ fn sift<R: Real>(index: u32, (key, is_low): (R::Bits, R::Bits), edges: [Signed<R
     let inside = (e0.below | e1.below | e2.below) ^ (e0.above | e1.above | e2.above);
     *low = *low | (inside & is_low);
     let sign = R::Bits::splat(SIGN);
-    let key = key | ((inside & sign) ^ sign);
+    let key = key | (((inside & sign) ^ sign) | (is_low & sign));
     Sifted { index, key, weights: [e1.value, e2.value], sum: (e0.value + e1.value) + e2.value }
 }

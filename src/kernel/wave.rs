@@ -132,7 +132,13 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
         let mut hits = [Hit::miss(R::zero()); TOGETHER];
         for k in 0..count {
             let first = first + k * R::WIDTH;
-            (rays[k], active[k]) = (path_ray(|k| self.going.field(k, first)), self.going.rows(first));
+            (rays[k], active[k]) = (
+                path_ray(
+                    #[inline(always)]
+                    |k| self.going.field(k, first),
+                ),
+                self.going.rows(first),
+            );
             self.counters.traced(false, active[k]);
         }
         self.world.closest_many::<R, T::Bounce>(&rays[..count], &active[..count], &mut hits[..count]);

@@ -4,12 +4,19 @@ use super::support::Random;
 use octolux::geometry::{Rows, TriangleRows};
 use octolux::lane::{Bits, Mask, Real, f32x8, f32x16};
 
+/// Few rows are permuted, more are read and transposed.
 fn fetched<R: Real, const N: usize>() {
+    for count in [1, 2, 7, 8, 9, 15, 16, 17, 31, 32, 33, 97] {
+        fetched_of::<R, N>(count);
+    }
+}
+
+fn fetched_of<R: Real, const N: usize>(count: usize) {
     let mut rng = Random::new(41);
-    let table: Vec<[f32; N]> = (0..97).map(|_| [(); N].map(|_| rng.signed())).collect();
+    let table: Vec<[f32; N]> = (0..count).map(|_| [(); N].map(|_| rng.signed())).collect();
     let rows = Rows::new(&table);
     for _ in 0..200 {
-        let index: Vec<u32> = (0..R::WIDTH).map(|_| rng.below(97) as u32).collect();
+        let index: Vec<u32> = (0..R::WIDTH).map(|_| rng.below(count) as u32).collect();
         let bits = rng.below(1 << R::WIDTH) as u32;
         // Dead lanes may hold anything.
         let lanes = R::Bits::from_fn(|i| if bits >> i & 1 != 0 { index[i] } else { u32::MAX - i as u32 });
@@ -85,4 +92,23 @@ fn lanes_move_where_they_should() {
     for i in 0..8 {
         assert_eq!(turned.lane(i), (order >> (3 * i) & 7) as f32);
     }
+}
+
+fn compared<R: Real>() {
+    let edges = [0u32, 1, 2, 0x7f7f_ffff, 0x7fff_ffff, 0x8000_0000, 0x8000_0001, 0xffff_fffe, u32::MAX];
+    let mut rng = Random::new(43);
+    for _ in 0..1000 {
+        let mut draw = || R::Bits::from_fn(|_| edges[rng.below(edges.len())].wrapping_add(rng.below(2) as u32));
+        let (a, b) = (draw(), draw());
+        for i in 0..R::WIDTH {
+            assert_eq!(a.lt(b).lane(i), a.lane(i) < b.lane(i), "{} {}", a.lane(i), b.lane(i));
+        }
+    }
+}
+
+#[test]
+fn words_compare_without_sign() {
+    compared::<f32>();
+    compared::<f32x8>();
+    compared::<f32x16>();
 }
