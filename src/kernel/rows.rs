@@ -48,8 +48,8 @@ pub fn shadow_ray<R: Real>(row: &[R; CONTRIBUTION]) -> Ray<R> {
 /// The ray of a path on its way, from the fields of its row.
 #[inline(always)]
 pub fn path_ray<R: Real>(field: impl Fn(usize) -> R) -> Ray<R> {
-    let vector = |k: usize| Vec3::new(field(k), field(k + 1), field(k + 2));
-    Ray { origin: vector(0), direction: vector(DIRECTION), t_max: R::splat(f32::INFINITY) }
+    let (origin, direction) = (Vec3::new(field(0), field(1), field(2)), Vec3::new(field(3), field(4), field(5)));
+    Ray { origin, direction, t_max: R::splat(f32::INFINITY) }
 }
 
 /// Paths that hit something, from the fields of their rows. (One by one: an array of all would pass through memory.)
