@@ -146,9 +146,11 @@ impl Counters {
 pub struct CameraQueue<'a, R: Real> {
     world: &'a World,
     job: &'a Job,
-    /// The next sample to make: pixel within the tile, sample within the job.
-    pixel: u32,
+    /// The next sample to make: column and row within the tile, sample within the job, slot.
+    column: u32,
+    row: u32,
     sample: u32,
+    slot: u32,
     lanes: PhantomData<R>,
 }
 
@@ -164,7 +166,20 @@ pub struct CameraPacket<R: Real> {
 
 impl<'a, R: Real> CameraQueue<'a, R> {
     pub fn new(world: &'a World, job: &'a Job) -> Self {
-        CameraQueue { world, job, pixel: 0, sample: 0, lanes: PhantomData }
+        CameraQueue { world, job, column: 0, row: 0, sample: 0, slot: 0, lanes: PhantomData }
+    }
+
+    /// On to the next sample: slots are in the order of pixels, row by row, and their samples.
+    #[inline(always)]
+    fn step(&mut self) {
+        self.slot += 1;
+        self.sample += 1;
+        if self.sample == self.job.samples {
+            (self.sample, self.column) = (0, self.column + 1);
+            if self.column == self.job.width {
+                (self.column, self.row) = (0, self.row + 1);
+            }
+        }
     }
 
     /// The next packet of camera samples: the samples of a pixel side by side, so that rays are coherent. `None` where
@@ -176,19 +191,16 @@ impl<'a, R: Real> CameraQueue<'a, R> {
         let mut slot = R::Bits::splat(0);
         let mut made = 0;
         let job = self.job;
-        while made < R::WIDTH && self.pixel < job.width * job.height {
-            let (px, py) = (job.x + self.pixel % job.width, job.y + self.pixel / job.width);
+        while made < R::WIDTH && self.row < job.height && job.width > 0 && job.samples > 0 {
+            let (px, py) = (job.x + self.column, job.y + self.row);
             let pixel = py * self.world.film.width + px;
             let sample = job.first_sample + self.sample;
             self.world.seed_numbers(&mut rng, made, pixel, sample);
             x.set_lane(made, px as f32);
             y.set_lane(made, py as f32);
-            slot.set_lane(made, self.pixel * job.samples + self.sample);
+            slot.set_lane(made, self.slot);
             made += 1;
-            self.sample += 1;
-            if self.sample == job.samples {
-                (self.sample, self.pixel) = (0, self.pixel + 1);
-            }
+            self.step();
         }
         let active = R::Mask::from_bits(((1u64 << made) - 1) as u32);
         if made == 0 {
