@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Instructions of the kernel per path and of traversal per ray, counted exactly, against a recorded baseline.
 
-    apt-get install valgrind
+    apt-get install valgrind binutils
     python3 tools/callgrind.py                    # table, with the change against benches/results/callgrind.json
     python3 tools/callgrind.py --record           # makes that baseline
     python3 tools/callgrind.py --octolux BINARY   # of a build made with RUSTFLAGS as below
@@ -13,6 +13,7 @@ occluded and their `_many`); instructions are not time, but they see a change of
 """
 import argparse
 import json
+import os
 import pathlib
 import re
 import subprocess
@@ -43,10 +44,16 @@ def run(command, **options):
 
 
 def build():
-    import os
     run(["cargo", "build", "--release", "--bin", "octolux", "--target-dir", ROOT / "target/callgrind"],
         cwd=ROOT, env={**os.environ, "RUSTFLAGS": FLAGS})
     return ROOT / "target/callgrind/release/octolux"
+
+
+def stripped(binary, folder):
+    """A copy without line tables, by which valgrind would split functions that have code inlined from several files."""
+    copy = folder / "octolux"
+    run(["strip", "--strip-debug", "-o", copy, binary])
+    return copy
 
 
 def count(binary, scene, side, samples):
@@ -99,14 +106,16 @@ def main():
     known = json.loads(BASELINE.read_text()) if BASELINE.exists() else {}
     found = {}
     print(f"{'':38} {'instr./path':>12} {'':10} {'instr./ray':>11} {'':10} {'rays/path':>9}")
-    for name, scene, side, low, high in SCENES:
-        if args.only not in name:
-            continue
-        now, before = measure(binary, scene, side, low, high), known.get(name)
-        found[name] = now
-        changes = [change(now[key], before and before[key]) for key in ("per_path", "per_ray")]
-        print(f"{name:38} {now['per_path']:12.1f} {changes[0]:>10} {now['per_ray']:11.1f} {changes[1]:>10} "
-              f"{now['rays_per_path']:9.3f}", flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        binary = stripped(binary, pathlib.Path(folder))
+        for name, scene, side, low, high in SCENES:
+            if args.only not in name:
+                continue
+            now, before = measure(binary, scene, side, low, high), known.get(name)
+            found[name] = now
+            changes = [change(now[key], before and before[key]) for key in ("per_path", "per_ray")]
+            print(f"{name:38} {now['per_path']:12.1f} {changes[0]:>10} {now['per_ray']:11.1f} {changes[1]:>10} "
+                  f"{now['rays_per_path']:9.3f}", flush=True)
     if args.record:
         BASELINE.write_text(json.dumps(found, indent=1) + "\n")
 

@@ -7,13 +7,15 @@
 The peer has the same rules (one light sample by power and one material sample a vertex, power heuristic, roulette from the
 fifth event), waves of 512 paths, 16 lanes, robust=0. Its best setting (instruction set, packets of 16 or 8, or single
 rays) is found in one survey; then `octolux bench` and that setting are timed alternately on the same two cores. Image
-means of the two are compared in the peer's own windows: `off` is in standard errors of the difference.
+means of the two are compared in the peer's own windows: `off` is in standard errors of the difference. `--cpu`, for a machine that
+others use too: user seconds of one thread, of many samples less those of few, in turn.
 Of materials it knows diffuse and conductor with eta and k; triangles are flat. `kitchen`: ../shared/models/kitchen.obj, flat, each
 material diffuse with its Kd, under a panel of light, 512 x 512.
 """
 import argparse
 import json
 import pathlib
+import resource
 import statistics
 import struct
 import subprocess
@@ -142,14 +144,43 @@ def samples_for(program, scene, setting, seconds):
     return max(1, round(1e6 * rate * seconds / (pixels[0] * pixels[1])))
 
 
+def user_seconds(command):
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    run(command)
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+
+
+def by_cpu(args, path, program, binary):
+    """Million paths per user second, by round: ours, and of each of the peer's settings (isa=avx512)."""
+    pixels = int(np.prod(struct.unpack("2i", open(binary, "rb").read(8))))
+    low, high = (max(1, round(n * 65536 / pixels)) for n in (8, 40))
+    image = args.scratch / "cpu.exr"
+
+    def ours(spp):
+        return user_seconds([args.octolux, "render", path, "-o", image, "--threads", 1, "--lanes", 16, "--quiet", "--spp", spp])
+
+    def theirs(spp, bounce, shadow):
+        # Its first window warms up and is as long as the others: two in all.
+        return user_seconds([program, binary, "--threads", 1, "--windows", 1, "--bounce", bounce, "--shadow", shadow,
+                             "--spp", spp]) / 2
+
+    settings = [(1, 8), (1, 16), (8, 8), (8, 16), (16, 16)]
+    rates = []
+    for _ in range(args.rounds):
+        seconds = [ours(high) - ours(low)] + [theirs(high, *s) - theirs(low, *s) for s in settings]
+        rates.append([1e-6 * pixels * (high - low) / s for s in seconds])
+    return rates, settings
+
+
 def survey(program, scene):
     """The setting with the most paths a second."""
     first = {"isa": "avx512", "bounce": 16, "shadow": 16}
     spp = samples_for(program, scene, first, 0.3)
     rates = []
     for isa in ["avx2", "avx512"]:
-        for bounce in [1, 8, 16]:
-            for shadow in [1, 8, 16]:
+        widths = [1, 8] if isa == "avx2" else [1, 8, 16]
+        for bounce in widths:
+            for shadow in widths:
                 setting = {"isa": isa, "bounce": bounce, "shadow": shadow}
                 rates.append((peer(program, scene, setting, spp=spp, windows=1)["mpaths_per_s"], setting))
     return max(rates, key=lambda pair: pair[0])[1], spp
@@ -176,6 +207,14 @@ def compare(args, name, program):
     path = kitchen(args.scratch) if name == "kitchen" else pathlib.Path(name)
     binary = args.scratch / "scene.bin"
     flatten(path, binary)
+    name = path.parent.name if path.stem == "scene" else path.stem
+    if args.cpu:
+        rates, settings = by_cpu(args, path, program, binary)
+        medians = [statistics.median(column) for column in zip(*rates)]
+        best = max(range(1, len(medians)), key=lambda k: medians[k])
+        setting = dict(zip(("isa", "bounce", "shadow"), ("avx512", *settings[best - 1])))
+        check = None if args.no_means else means(args, path, setting, program, binary)
+        return result(name, setting, check, [(row[0], row[best]) for row in rates])
     setting, spp = survey(program, binary)
     check = None if args.no_means else means(args, path, setting, program, binary)
     rounds = []
@@ -183,8 +222,12 @@ def compare(args, name, program):
         ours = json.loads(run([args.octolux, "bench", path, "--threads", 2, "--lanes", 16, "--windows", 3, "--json", "-"]))
         theirs = peer(program, binary, setting, spp=spp, windows=3)
         rounds.append((ours["settings"][0]["mpaths_per_s"], theirs["mpaths_per_s"]))
+    return result(name, setting, check, rounds)
+
+
+def result(name, setting, check, rounds):
     ratios = [a / b for a, b in rounds]
-    return {"scene": path.parent.name if path.stem == "scene" else path.stem, "setting": setting, "means": check,
+    return {"scene": name, "setting": setting, "means": check,
             "octolux_mpaths": [a for a, _ in rounds], "embree_mpaths": [b for _, b in rounds],
             "ratio": statistics.median(ratios), "ratio_min": min(ratios), "ratio_max": max(ratios)}
 
@@ -195,6 +238,7 @@ def main():
     parser.add_argument("scenes", nargs="*", default=[refs / "cornell/scene.toml", refs / "env/scene.toml", "kitchen"])
     parser.add_argument("--octolux", default=HERE.parent / "target/release/octolux", type=pathlib.Path)
     parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--cpu", action="store_true", help="compare user seconds of one thread instead of wall clock of two")
     parser.add_argument("--no-means", action="store_true", help="do not compare image means first")
     parser.add_argument("--scratch", type=pathlib.Path, help="folder for the program and its scene [default: a temporary one]")
     parser.add_argument("--json", type=pathlib.Path)
@@ -211,7 +255,7 @@ def main():
             results.append(r)
             off = "" if r["means"] is None else " means off by " + ", ".join(f"{x:+.1f}" for x in r["means"]["off"]) + " standard errors"
             print(f"{r['scene']:10} {statistics.median(r['octolux_mpaths']):7.2f} / {statistics.median(r['embree_mpaths']):7.2f} "
-                  f"Mpaths/s: {r['ratio']:.2f} ({r['ratio_min']:.2f}-{r['ratio_max']:.2f}) {r['setting']}{off}", flush=True)
+                  f"Mpaths/{'CPU ' if args.cpu else ''}s: {r['ratio']:.2f} ({r['ratio_min']:.2f}-{r['ratio_max']:.2f}) {r['setting']}{off}", flush=True)
     if args.json:
         args.json.write_text(json.dumps(results, indent=1))
 

@@ -272,6 +272,11 @@ impl<R: Real> MaterialAt<R> {
         self.is(KIND_CONDUCTOR)
     }
 
+    #[inline(always)]
+    pub(super) fn is_coated(&self) -> R::Mask {
+        self.is(KIND_COATED)
+    }
+
     /// n of [`MaterialAt::is_phong`] lanes.
     pub(super) fn phong_exponent(&self) -> R {
         self.c
@@ -288,6 +293,13 @@ impl<R: Real> MaterialAt<R> {
         base.b = Vec3::zero();
         lobe.a = Vec3::zero();
         [base, lobe]
+    }
+
+    /// The coat of a coated material that is the same in every lane, over a black base.
+    pub(super) fn coat_alone(&self) -> Self {
+        let mut coat = self.in_all_lanes(0);
+        coat.a = Vec3::zero();
+        coat
     }
 
     /// Lanes whose light comes from the hemisphere on the viewer's side alone, and by no delta.

@@ -90,7 +90,8 @@ pub enum GatherPdf {
     Uniform,
     /// ∝ cosθ.
     Cosine,
-    /// ∝ cosθ for Lambert and coats; Phong's and rough metals' lobes have n directions of their own, distributed as the lobe.
+    /// ∝ cosθ for Lambert; the lobes of Phong, rough metals and rough coats have n directions of their own, distributed as
+    /// the lobe.
     Lobe,
 }
 

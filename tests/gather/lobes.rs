@@ -17,6 +17,10 @@ fn metal(alpha: f32) -> Bsdf {
     Bsdf::Conductor { alpha, masking: Masking::Correlated, fresnel }
 }
 
+fn coat(alpha: f32) -> Bsdf {
+    Bsdf::Coated { reflectance: [0.5, 0.3, 0.1], alpha, masking: Masking::Correlated, ior: 1.5 }
+}
+
 /// A plane under the smooth sky, seen at 35° to it.
 fn plane(bsdf: Bsdf) -> Scene {
     let mut set = Set::new([1.2, 1.0, 1.6], [0.2, 0.0, 0.6], 12.0, 24).bounces(1).environment(smooth_sky());
@@ -35,7 +39,8 @@ fn lobes_are_sampled_without_bias() {
     let rough = set.material(metal(0.4), [0.0; 3]);
     let gold = set.material(metal(0.05), [0.0; 3]);
     set.quad(ground, [[-6.0, 0.0, 6.0], [6.0, 0.0, 6.0], [6.0, 0.0, -6.0], [-6.0, 0.0, -6.0]]);
-    for (material, x, radius) in [(narrow, -1.2, 0.5), (rough, 0.0, 0.8), (gold, 1.3, 0.6)] {
+    let lacquer = set.material(coat(0.1), [0.0; 3]);
+    for (material, x, radius) in [(narrow, -1.2, 0.5), (rough, 0.0, 0.8), (gold, 1.3, 0.6), (lacquer, 2.4, 0.45)] {
         set.sphere(material, [x, radius, 0.0], radius);
     }
     let mut direct = set.finish();
@@ -62,7 +67,7 @@ fn error(scene: &Scene, method: GatherMethod, pdf: GatherPdf, covariance: Covari
 /// weights gain on equal ones as they do for Lambert.
 #[test]
 fn a_set_of_its_own_serves_a_lobe() {
-    for (name, bsdf) in [("phong", PHONG), ("metal", metal(0.2))] {
+    for (name, bsdf) in [("phong", PHONG), ("metal", metal(0.2)), ("coat", coat(0.2))] {
         let scene = plane(bsdf);
         use GatherMethod::{BmcIs, McIs};
         let cosine = error(&scene, BmcIs, GatherPdf::Cosine, Covariance::SOBOLEV);
@@ -83,5 +88,7 @@ fn lobes_are_reported() {
     assert_eq!(report(PHONG).lobes, [Measure::PowerCosine { exponent: 40.0 }]);
     assert_eq!(report(PHONG).sets, 32);
     assert_eq!(report(metal(0.5)).lobes, [Measure::Microfacet { kappa: 2.0 }]);
+    assert_eq!(report(coat(0.5)).lobes, [Measure::Microfacet { kappa: 2.0 }]);
+    assert_eq!(report(coat(0.0)).lobes, []);
     assert_eq!(report(Bsdf::Diffuse { reflectance: [0.5; 3] }).lobes, []);
 }

@@ -68,7 +68,8 @@ struct Worker {
             put(w.lr, splat(0)), put(w.lg, splat(0)), put(w.lb, splat(0)), put(w.pdf, splat(1e30f));
             put((float*)w.ra, (F)rng.a), put((float*)w.rb, (F)rng.b);
         }
-        trace(s, w, first, w.alive, 16, true);
+        // Debian's Embree asserts on packets of 16 where it runs eight lanes.
+        trace(s, w, first, w.alive, o.isa == "avx2" ? 8 : 16, true);
     }
 
     // Writes what ended to the film, and closes the gaps.

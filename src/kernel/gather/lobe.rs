@@ -2,7 +2,7 @@
 //!
 //! p is the lobe itself for Phong, cosⁿα, and g = L·cosθ·const is as smooth as the light. Of a GGX metal p has the shape
 //! of the lobe seen from above; what its f·cosθ has besides (masking, Fresnel, the narrowing at grazing angles) stays in g,
-//! so that nothing is left out by the choice of p.
+//! so that nothing is left out by the choice of p. A rough coat has a metal's; its base is what the coat alone leaves.
 
 use super::Vertex;
 use crate::estimate::bmc::Measure;
@@ -23,8 +23,8 @@ const MOST_SHARPNESS: f64 = 1e4;
 pub(super) enum Glossy {
     /// A Phong lobe of this exponent.
     Phong(f32),
-    /// A rough metal's.
-    Metal(f32),
+    /// A rough metal's or coat's.
+    Facets(f32),
 }
 
 impl Glossy {
@@ -34,7 +34,7 @@ impl Glossy {
             Glossy::Phong(n) if f64::from(n) <= MOST_COSINE => Measure::PowerCosine { exponent: f64::from(n) },
             // cosⁿα ≤ exp(n(cosα − 1)), and alike where it counts.
             Glossy::Phong(n) => Measure::Lobe { sharpness: f64::from(n).min(MOST_SHARPNESS), amplitude: 1.0 },
-            Glossy::Metal(alpha) => Measure::Microfacet { kappa: (0.5 / f64::from(alpha).powi(2)).min(MOST_SHARPNESS) },
+            Glossy::Facets(alpha) => Measure::Microfacet { kappa: (0.5 / f64::from(alpha).powi(2)).min(MOST_SHARPNESS) },
         }
     }
 
@@ -42,7 +42,7 @@ impl Glossy {
     fn distance(self, other: Self) -> f32 {
         match (self, other) {
             (Glossy::Phong(a), Glossy::Phong(b)) => ((1.0 + a) / (1.0 + b)).log2().abs(),
-            (Glossy::Metal(a), Glossy::Metal(b)) => 2.0 * (a / b).log2().abs(),
+            (Glossy::Facets(a), Glossy::Facets(b)) => 2.0 * (a / b).log2().abs(),
             _ => f32::INFINITY,
         }
     }
@@ -61,14 +61,17 @@ pub(super) fn lobes_of(materials: &[Material]) -> Vec<Glossy> {
     const STEPS: [f32; 7] = [1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0];
     let mut lobes: Vec<Glossy> = Vec::new();
     for material in materials {
-        let metal = matches!(material.bsdf, Bsdf::Conductor { .. }) || material.maps.metallic.is_some();
+        let facets = matches!(material.bsdf, Bsdf::Conductor { .. } | Bsdf::Coated { .. });
+        let facets = facets || material.maps.metallic.is_some();
         let mapped = material.maps.roughness.is_some() || material.maps.metallic.is_some();
         let own = match material.bsdf {
             Bsdf::Phong { exponent, .. } => Some(Glossy::Phong(exponent)),
-            Bsdf::Conductor { alpha, .. } if alpha >= crate::bsdf::ALPHA_MIN => Some(Glossy::Metal(alpha)),
+            Bsdf::Conductor { alpha, .. } | Bsdf::Coated { alpha, .. } if alpha >= crate::bsdf::ALPHA_MIN => {
+                Some(Glossy::Facets(alpha))
+            }
             _ => None,
         };
-        let steps = STEPS.map(Glossy::Metal).into_iter().filter(|_| metal && mapped);
+        let steps = STEPS.map(Glossy::Facets).into_iter().filter(|_| facets && mapped);
         for lobe in own.into_iter().chain(steps) {
             if !lobes.contains(&lobe) {
                 lobes.push(lobe);
@@ -82,6 +85,8 @@ pub(super) fn lobes_of(materials: &[Material]) -> Vec<Glossy> {
 pub(super) struct Parts<R: Real> {
     pub base: Option<MaterialAt<R>>,
     pub lobe: Option<(MaterialAt<R>, Glossy)>,
+    /// The base scatters what the lobe by itself does not: it is that of a coat, which cannot be taken off.
+    pub below: bool,
 }
 
 impl<R: Real> Parts<R> {
@@ -89,12 +94,16 @@ impl<R: Real> Parts<R> {
     pub fn of(material: &MaterialAt<R>, plan: &Plan) -> Self {
         let all = || material.in_all_lanes(0);
         match material.glossy(plan) {
-            None => Parts { base: Some(all()), lobe: None },
-            Some(lobe @ Glossy::Metal(_)) => Parts { base: None, lobe: Some((all(), lobe)) },
+            None => Parts { base: Some(all()), lobe: None, below: false },
+            Some(lobe @ Glossy::Facets(_)) if material.is_coated().any() => {
+                Parts { base: Some(all()), lobe: Some((material.coat_alone(), lobe)), below: true }
+            }
+            Some(lobe @ Glossy::Facets(_)) => Parts { base: None, lobe: Some((all(), lobe)), below: false },
             Some(lobe @ Glossy::Phong(_)) => {
                 let [base, specular] = material.split_phong();
                 let reflects = |m: &MaterialAt<R>| m.albedo().max_component().gt(R::zero()).any();
-                Parts { base: Some(base).filter(reflects), lobe: Some(specular).filter(reflects).map(|m| (m, lobe)) }
+                let lobe = Some(specular).filter(reflects).map(|m| (m, lobe));
+                Parts { base: Some(base).filter(reflects), lobe, below: false }
             }
         }
     }
@@ -109,7 +118,8 @@ impl<R: Real> MaterialAt<R> {
         if self.is_phong().any() {
             return Some(Glossy::Phong(self.phong_exponent().lane(0)));
         }
-        self.is_conductor().any().then(|| Glossy::Metal(self.alpha().lane(0)))
+        let facets = self.is_conductor() | (self.is_coated() & self.gathers());
+        facets.any().then(|| Glossy::Facets(self.alpha().lane(0)))
     }
 }
 

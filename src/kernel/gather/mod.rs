@@ -65,6 +65,8 @@ impl<R: Real> Vertex<R> {
 struct About<'a, R: Real> {
     family: &'a Family,
     material: &'a MaterialAt<R>,
+    /// What of it is gathered elsewhere, and taken off here.
+    without: Option<&'a MaterialAt<R>>,
     /// About the mirror direction, in the frame of the normal; `None`: about the normal.
     lobe: Option<Frame<R>>,
 }

@@ -55,7 +55,7 @@ impl Worker<'_> {
                 found.add(self.gather_parts::<R, T>(&mut vertex, sampled, counters));
             } else {
                 let material = vertex.surface.material.in_all_lanes(0);
-                let about_normal = About { family: &tables.base, material: &material, lobe: None };
+                let about_normal = About { family: &tables.base, material: &material, without: None, lobe: None };
                 found.add(self.gather::<R, T>(&vertex, &about_normal, sampled, counters));
             }
         }
@@ -72,16 +72,17 @@ impl Worker<'_> {
     ) -> Estimate {
         let tables = self.tables;
         let mut found = Estimate::default();
-        let Parts { base, lobe } = Parts::of(&vertex.surface.material, &self.world.plan);
+        let Parts { base, lobe, below } = Parts::of(&vertex.surface.material, &self.world.plan);
         if let Some(material) = &base {
-            let about = About { family: &tables.base, material, lobe: None };
+            let without = lobe.as_ref().filter(|_| below).map(|(material, _)| material);
+            let about = About { family: &tables.base, material, without, lobe: None };
             found.add(self.gather::<R, T>(vertex, &about, sampled, counters));
         }
         if let Some((material, kind)) = &lobe {
             let family = kind.nearest(&tables.lobe_kinds).map_or(&tables.base, |i| &tables.lobes[i]);
             vertex.first_ray = LOBE_RAYS;
             let mirror = lobe::mirror_frame(vertex, tables.settings.rotate || self.watch.is_some());
-            let about = About { family, material, lobe: Some(mirror) };
+            let about = About { family, material, without: None, lobe: Some(mirror) };
             found.add(self.gather::<R, T>(vertex, &about, sampled, counters));
         }
         found
@@ -128,7 +129,10 @@ impl Worker<'_> {
             };
             let direction = vertex.frame.to_world(wi);
             let keep = active & same_side(wi.z, surface.ng.dot(direction));
-            let f_cos = about.material.eval::<AllModels>(&world.plan, vertex.wo, wi, keep).value;
+            let mut f_cos = about.material.eval::<AllModels>(&world.plan, vertex.wo, wi, keep).value;
+            if let Some(elsewhere) = about.without {
+                f_cos = f_cos - elsewhere.eval::<AllModels>(&world.plan, vertex.wo, wi, keep).value;
+            }
             let mut weight = equal.unwrap_or(weight) / p;
             if world.plan.shading_normals {
                 weight = weight * surface.terminator(direction, wi.z, vertex.wo.z);
