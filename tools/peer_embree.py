@@ -189,14 +189,15 @@ def survey(program, scene):
 def means(args, path, setting, program, binary):
     """Image means of both at many samples, and how far apart they are in standard errors over four renders each."""
     ours, theirs = [], []
+    spp = max(1, round(128 * 65536 / int(np.prod(struct.unpack("2i", open(binary, "rb").read(8))))))
     for k in range(4):
-        image = args.scratch / "mean.json"
-        run([args.octolux, "render", path, "-o", args.scratch / "mean.exr", "--spp", 128, "--seed", 100 + k, "--quiet"])
+        run([args.octolux, "render", path, "-o", args.scratch / "mean.exr", "--spp", spp, "--seed", 100 + k,
+             "--sampler", "independent", "--quiet"])
         import mitsuba
         mitsuba.set_variant("scalar_rgb")
         pixels = np.array(mitsuba.Bitmap(str(args.scratch / "mean.exr")), np.float64)
         ours.append(pixels[..., :3].mean(axis=(0, 1)))
-        theirs.append(peer(program, binary, setting, spp=128, windows=1, seed=1 + 8 * k)["mean"])
+        theirs.append(peer(program, binary, setting, spp=spp, windows=1, seed=1 + 8 * k)["mean"])
     ours, theirs = np.array(ours), np.array(theirs)
     error = np.sqrt((ours.var(axis=0, ddof=1) + theirs.var(axis=0, ddof=1)) / len(ours))
     return {"octolux": list(ours.mean(axis=0)), "embree": list(theirs.mean(axis=0)),

@@ -38,7 +38,7 @@ pub struct AblationReport {
     pub rows: Vec<AblationRow>,
 }
 
-/// One decision reversed: seconds a path over those of the planned kernel in the window before.
+/// One decision reversed: processor seconds a path over those of the planned kernel in the window before.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct AblationRow {
     /// What was put back in.
@@ -79,7 +79,7 @@ pub fn bench_ablations(
         for (run, ratios) in &mut runs {
             let rate = |run: &mut Run| {
                 run.window();
-                run.rates.last().copied().unwrap_or(f64::NAN)
+                run.cpu_rate
             };
             ratios.push(rate(&mut reference) / rate(run));
         }
@@ -109,10 +109,10 @@ impl fmt::Display for AblationReport {
             f,
             "{scene}: planned {mpaths_per_s:.3} Mpaths/s, {lanes} lanes, {threads} threads, {windows} windows"
         )?;
-        writeln!(f, "{:28} time with / without (min–max)  bits", "put back in")?;
+        writeln!(f, "{:28} CPU time with / without (min–max)  bits", "put back in")?;
         for AblationRow { what, ratio, min, max, same_bits } in rows {
             let bits = if *same_bits { "same" } else { "DIFFER" };
-            writeln!(f, "{what:28} {ratio:.3} ({min:.3}–{max:.3})             {bits}")?;
+            writeln!(f, "{what:28} {ratio:.3} ({min:.3}–{max:.3})                 {bits}")?;
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use crate::film::Film;
 use crate::kernel::{Counters, Width, World};
+use crate::process;
 use crate::render::{self, Budget, Options, Progress};
 use std::fmt;
 
@@ -63,6 +64,8 @@ pub(super) struct Run<'a> {
     threads: usize,
     pool: std::sync::Arc<rayon::ThreadPool>,
     pub(super) rates: Vec<f64>,
+    /// Paths per processor second of the last window, which other programs disturb less.
+    pub(super) cpu_rate: f64,
     counters: Counters,
 }
 
@@ -71,7 +74,7 @@ impl<'a> Run<'a> {
         let tile = render::default_tile(world.film.width, world.film.height);
         let budget = Budget { samples: Some(1), ..Budget::default() };
         let options = Options { budget, width, tile, aovs: false, output_seconds: 0.0 };
-        Run { world, options, threads, pool, rates: Vec::new(), counters: Counters::default() }
+        Run { world, options, threads, pool, rates: Vec::new(), cpu_rate: f64::NAN, counters: Counters::default() }
     }
 
     /// Doubles the samples of a window until it lasts long enough; this also warms up.
@@ -98,7 +101,9 @@ impl<'a> Run<'a> {
 
     /// Measures one window.
     pub(super) fn window(&mut self) -> Film {
+        let before = process::cpu_seconds();
         let outcome = render::render(self.world, &self.options, &self.pool, &mut Progress::quiet());
+        self.cpu_rate = outcome.counters.camera_rays as f64 / (process::cpu_seconds() - before);
         self.rates.push(outcome.counters.camera_rays as f64 / outcome.render_seconds / 1e6);
         self.counters = outcome.counters;
         outcome.film

@@ -34,7 +34,9 @@ impl Glossy {
             Glossy::Phong(n) if f64::from(n) <= MOST_COSINE => Measure::PowerCosine { exponent: f64::from(n) },
             // cosⁿα ≤ exp(n(cosα − 1)), and alike where it counts.
             Glossy::Phong(n) => Measure::Lobe { sharpness: f64::from(n).min(MOST_SHARPNESS), amplitude: 1.0 },
-            Glossy::Facets(alpha) => Measure::Microfacet { kappa: (0.5 / f64::from(alpha).powi(2)).min(MOST_SHARPNESS) },
+            Glossy::Facets(alpha) => {
+                Measure::Microfacet { kappa: (0.5 / f64::from(alpha).powi(2)).min(MOST_SHARPNESS) }
+            }
         }
     }
 
