@@ -132,13 +132,7 @@ impl AreaLights {
     /// in the list are then neighbours in the square of the two numbers, which lists the lamps' surfaces without a seam
     /// that a low-discrepancy sampler would not see. A lamp of two triangles is sampled as one.
     #[inline(always)]
-    pub(super) fn sample<R: Real>(
-        &self,
-        origin: Vec3<R>,
-        table: Option<R::Bits>,
-        u: [R; 2],
-        fine: R,
-    ) -> AreaSample<R> {
+    pub(super) fn sample<R: Real>(&self, origin: Vec3<R>, table: Option<R::Bits>, u: [R; 2], fine: R) -> AreaSample<R> {
         let (Choice { entry: index, rest }, ratio) = match (&self.grid, table) {
             (Some(grid), Some(table)) => {
                 let choice = grid.choice.choose(table, u[0], fine);

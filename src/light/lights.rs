@@ -218,13 +218,7 @@ impl Lights {
 }
 
 #[inline(always)]
-fn sample_area<R: Real>(
-    area: &AreaLights,
-    p: Vec3<R>,
-    table: Option<R::Bits>,
-    u: [R; 2],
-    fine: R,
-) -> LightSample<R> {
+fn sample_area<R: Real>(area: &AreaLights, p: Vec3<R>, table: Option<R::Bits>, u: [R; 2], fine: R) -> LightSample<R> {
     let AreaSample { point, radiance, primitive, u } = area.sample(p, table, u, fine);
     LightSample {
         wi: point.wi,
