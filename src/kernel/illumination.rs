@@ -154,7 +154,7 @@ fn light<R: Real>(view: &View<R>, u: [R; 3], combined: bool) -> Vec3<R> {
     let all = R::Mask::splat(true);
     let Some(mut light) = world.sample_light(surface.at.p, None, u[0], [u[1], u[2]], all) else { return Vec3::zero() };
     if world.plan.patterned_lights {
-        pattern::look_up(world, &mut light, [u[1], u[2]], all);
+        pattern::look_up(world, &mut light, all);
     }
     let wi = frame.to_local(light.wi);
     let active = light.pdf.gt(R::zero()) & !light.is_delta() & reflects(surface, wo, wi, light.wi);

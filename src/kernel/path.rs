@@ -201,7 +201,7 @@ fn sample_direct<R: Real, S: Shade, P: Probe>(
     let u_position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
     let mut light = shade.sample_light(world, surface.at.p, paths.table, u[LIGHT_CHOICE], u_position, lit);
     if world.plan.patterned_lights {
-        pattern::look_up(world, &mut light, u_position, lit);
+        pattern::look_up(world, &mut light, lit);
     }
     let wi = frame.to_local(light.wi);
     let pdf = probe.tap(Stage::LightPdf, paths.lanes(lit), light.pdf);

@@ -89,9 +89,9 @@ fn over_sphere(material: &Material) -> [f64; 3] {
     sum.map(|c| c / weights)
 }
 
-/// Puts the radiance times opacity at the sampled points in place of the mean. `u` is what the points were sampled by.
+/// Puts the radiance times opacity at the sampled points in place of the mean.
 #[inline(never)]
-pub fn look_up<R: Real>(world: &World, light: &mut LightSample<R>, u: [R; 2], active: R::Mask) {
+pub fn look_up<R: Real>(world: &World, light: &mut LightSample<R>, active: R::Mask) {
     // Primitives are fewer than 2³¹; what is none is counted down from 2³².
     let on_primitive = active & light.primitive.shr::<31>().eq(R::Bits::splat(0));
     let [material, _] = world.tags.fetch::<R>(light.primitive, on_primitive);
@@ -103,7 +103,7 @@ pub fn look_up<R: Real>(world: &World, light: &mut LightSample<R>, u: [R; 2], ac
         return;
     }
     let spheres = patterned & world.on_sphere::<R>(light.primitive);
-    let [b1, b2] = triangle_barycentrics(u);
+    let [b1, b2] = triangle_barycentrics(light.u);
     let hit = Hit { t: R::zero(), primitive: light.primitive, u: b1, v: b2 };
     let mut uv = on_triangle(world, &hit, patterned & !spheres).uv;
     if spheres.any() {

@@ -1,7 +1,8 @@
 //! The emitting primitives: one row each, chosen by power.
 
-use super::alias::{MAX_ENTRIES, Table};
+use super::alias::MAX_ENTRIES;
 use super::grid::{ChoiceGrid, Lamp, Receivers};
+use super::inversion::{Choice, Inversion};
 use super::sample::LightPoint;
 use super::sphere::{self, sphere_pdf};
 use super::triangle::{self, Triangle, triangle_pdf};
@@ -24,13 +25,23 @@ const RADIUS: usize = 3;
 const RADIANCE: usize = 12;
 const PDF_ROW: usize = 15;
 
+/// A point on an area light.
+pub(super) struct AreaSample<R: Real> {
+    pub point: LightPoint<R>,
+    pub radiance: Vec3<R>,
+    pub primitive: R::Bits,
+    /// What the point on the light was sampled by.
+    pub u: [R; 2],
+}
+
 pub(super) struct AreaLights {
     /// Triangles, then spheres, each in order of their primitive.
     rows: Vec<Row>,
     /// The primitive of each row.
     primitives: Vec<u32>,
     first_sphere: usize,
-    table: Table,
+    /// One table, by power.
+    choice: Inversion,
     /// Of each row, by power, area lights' share left out.
     probability: Vec<f64>,
     grid: Option<Grid>,
@@ -55,10 +66,10 @@ impl AreaLights {
         emitters.sort_by_key(|e| (e.is_sphere(), e.primitive));
         let first_sphere = emitters.partition_point(|e| !e.is_sphere());
         let powers: Vec<f64> = emitters.iter().map(Emitter::power).collect();
-        let (table, probability) = Table::build(&powers);
+        let (choice, probability) = by_power(&powers);
         let rows = emitters.iter().zip(&probability).map(|(e, p)| row(e, p * share)).collect();
         let primitives = emitters.iter().map(|e| e.primitive).collect();
-        Ok(Some(Self { rows, primitives, first_sphere, table, probability, grid: None }))
+        Ok(Some(Self { rows, primitives, first_sphere, choice, probability, grid: None }))
     }
 
     /// From now on lights can be chosen by place too, if they are many.
@@ -112,26 +123,26 @@ impl AreaLights {
 
     pub(super) fn memory(&self) -> usize {
         let grid = self.grid.as_ref().map_or(0, |grid| grid.choice.memory() + size_of_val(&*grid.row_of));
-        size_of_val(&*self.rows) + size_of_val(&*self.primitives) + self.table.memory() + grid
+        size_of_val(&*self.rows) + size_of_val(&*self.primitives) + self.choice.bytes() + grid
     }
 
-    /// A point on a light chosen by `u_choice`, as seen from `origin`, with its radiance and primitive: by power, or from
-    /// a `table` of the grid.
+    /// A point on a light as seen from `origin`: by power, or from a `table` of the grid.
+    ///
+    /// `u[0]` chooses the light, and what is left of it, extended by `fine`, is the first number of the point: neighbours
+    /// in the list are then neighbours in the square of the two numbers, which lists the lamps' surfaces without a seam
+    /// that a low-discrepancy sampler would not see. A lamp of two triangles is sampled as one.
     #[inline(always)]
-    pub(super) fn sample<R: Real>(
-        &self,
-        origin: Vec3<R>,
-        table: Option<R::Bits>,
-        u_choice: R,
-        u: [R; 2],
-    ) -> (LightPoint<R>, Vec3<R>, R::Bits) {
-        let (index, ratio) = match (&self.grid, table) {
+    pub(super) fn sample<R: Real>(&self, origin: Vec3<R>, table: Option<R::Bits>, u: [R; 2], fine: R) -> AreaSample<R> {
+        let (Choice { entry: index, rest }, ratio) = match (&self.grid, table) {
             (Some(grid), Some(table)) => {
-                let (index, ratio) = grid.choice.choose(table, u_choice);
-                (index, Some(ratio))
+                let choice = grid.choice.choose(table, u[0], fine);
+                let ratio = grid.choice.ratio(table, choice.entry);
+                (choice, Some(ratio))
             }
-            _ => (self.table.choose(u_choice, u), None),
+            _ if self.rows.len() == 1 => (Choice { entry: R::Bits::splat(0), rest: u[0] }, None),
+            _ => (self.choice.choose(R::Bits::splat(0), u[0], fine), None),
         };
+        let u = [rest, u[1]];
         let rows = LaneRows::<R>::of(&self.rows, index);
         let mut point = if self.first_sphere == self.rows.len() {
             rows.sample_triangle(origin, u)
@@ -145,7 +156,7 @@ impl AreaLights {
             point.pdf = point.pdf * ratio;
         }
         let primitive = R::Bits::from_fn(|i| self.primitives[index.lane(i) as usize]);
-        (point, rows.vector(RADIANCE), primitive)
+        AreaSample { point, radiance: rows.vector(RADIANCE), primitive, u }
     }
 
     /// See [`Lights::emitter_pdf_row`](super::Lights::emitter_pdf_row).
@@ -172,6 +183,19 @@ impl AreaLights {
         let on_sphere = || spheres.binary_search(&primitive).ok().map(|i| i + self.first_sphere);
         triangles.binary_search(&primitive).ok().or_else(on_sphere)
     }
+}
+
+/// A table in proportion to `powers`, with the probabilities it yields.
+fn by_power(powers: &[f64]) -> (Inversion, Vec<f64>) {
+    // Relative to the strongest, because powers may leave the range of f32 where their ratios do not.
+    let strongest = powers.iter().copied().fold(0.0, f64::max);
+    let relative: Vec<f32> = powers.iter().map(|power| (power / strongest) as f32).collect();
+    let mut choice = Inversion::new(1, powers.len());
+    let mut probability = vec![0.0; powers.len()];
+    choice.tables().iter_mut().for_each(|table| {
+        table.fill(&relative, &mut probability);
+    });
+    (choice, probability)
 }
 
 /// The rows that the lanes look at, a register a field.

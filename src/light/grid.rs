@@ -7,7 +7,7 @@
 //! is two fetches and inverts a cumulative sum (unlike the descent of a light tree: Conty Estevez & Kulla 2018); the
 //! density of a lamp that a ray runs into is read from the same table.
 
-use super::inversion::Inversion;
+use super::inversion::{Choice, Inversion};
 use crate::lane::{Bits, Real, Vec3};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -141,11 +141,10 @@ impl ChoiceGrid {
         R::Bits::from_fn(|i| self.table_of[place.lane(i) as usize])
     }
 
-    /// A light, and how many times likelier than by power it was.
+    /// A light by `u`, which `fine` in [0, 1) extends.
     #[inline(always)]
-    pub(super) fn choose<R: Real>(&self, table: R::Bits, u: R) -> (R::Bits, R) {
-        let light = self.choice.choose(table, u, R::zero()).entry;
-        (light, self.ratio(table, light))
+    pub(super) fn choose<R: Real>(&self, table: R::Bits, u: R, fine: R) -> Choice<R> {
+        self.choice.choose(table, u, fine)
     }
 
     /// How many times likelier than by power a light is.

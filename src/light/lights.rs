@@ -1,6 +1,6 @@
 //! All lights of a scene: the choice between them, and their common density.
 
-use super::area::AreaLights;
+use super::area::{AreaLights, AreaSample};
 use super::delta::{DeltaLights, Extent};
 use super::sample::LightSample;
 use super::{Emitter, EnvironmentMap, LightError, Receivers};
@@ -122,8 +122,9 @@ impl Lights {
             + self.delta.as_ref().map_or(0, DeltaLights::memory)
     }
 
-    /// Samples a direction from `p` (finite where `active`) to some light. `u_choice` and `u` are uniform in [0, 1).
-    /// What lies between is not looked at.
+    /// Samples a direction from `p` (finite where `active`) to some light. `u_choice` and `u` are uniform in [0, 1): `u`
+    /// chooses the kind of light, the area light and the point or direction; `u_choice` chooses among lights without
+    /// extent, and goes on where the digits of `u` end. What lies between is not looked at.
     #[inline(always)]
     pub fn sample<R: Real>(&self, p: Vec3<R>, u_choice: R, u: [R; 2], active: R::Mask) -> LightSample<R> {
         self.sample_from(p, None, u_choice, u, active)
@@ -141,14 +142,14 @@ impl Lights {
     ) -> LightSample<R> {
         match (&self.area, &self.environment, &self.delta) {
             (None, None, None) => LightSample::none(),
-            (Some(area), None, None) => sample_area(area, p, table, u_choice, u).only(active),
+            (Some(area), None, None) => sample_area(area, p, table, u, u_choice).only(active),
             (None, Some(map), None) => sample_environment(map, u, 1.0).only(active),
             (None, None, Some(delta)) => delta.sample(p, u_choice, u, 1.0).only(active),
             _ => self.sample_one_kind(p, table, u_choice, u, active),
         }
     }
 
-    /// The first part of the numbers leads to lights without extent, the second to the environment, the rest to areas.
+    /// The first part of `u[0]` leads to lights without extent, the second to the environment, the rest to areas.
     #[inline(always)]
     fn sample_one_kind<R: Real>(
         &self,
@@ -160,16 +161,16 @@ impl Lights {
     ) -> LightSample<R> {
         let delta_end = R::splat(self.delta_probability);
         let environment_end = R::splat(self.delta_probability + self.environment_probability);
-        let to_delta = u_choice.lt(delta_end);
-        let to_environment = u_choice.lt(environment_end) & !to_delta;
-        // One number for both choices: within any branch it is uniform again once stretched back to [0, 1).
+        let to_delta = u[0].lt(delta_end);
+        let to_environment = u[0].lt(environment_end) & !to_delta;
+        // Within any branch the number is uniform again once stretched back to [0, 1).
         let from = R::select(to_delta, R::zero(), R::select(to_environment, delta_end, environment_end));
         let to = R::select(to_delta, delta_end, R::select(to_environment, environment_end, R::one()));
-        let stretched = rescale(u_choice, from, to);
+        let u = [rescale(u[0], from, to), u[1]];
         let mut sample = LightSample::none();
         let area_lanes = active & !to_delta & !to_environment;
         if let Some(area) = self.area.as_ref().filter(|_| area_lanes.any()) {
-            sample = sample_area(area, p, table, stretched, u).only(area_lanes);
+            sample = sample_area(area, p, table, u, u_choice).only(area_lanes);
         }
         let environment_lanes = active & to_environment;
         if let Some(map) = self.environment.as_ref().filter(|_| environment_lanes.any()) {
@@ -178,7 +179,7 @@ impl Lights {
         }
         let delta_lanes = active & to_delta;
         if let Some(delta) = self.delta.as_ref().filter(|_| delta_lanes.any()) {
-            let other = delta.sample(p, stretched, u, self.delta_probability);
+            let other = delta.sample(p, u_choice, u, self.delta_probability);
             sample = LightSample::select(delta_lanes, other.only(delta_lanes), sample);
         }
         sample
@@ -217,14 +218,8 @@ impl Lights {
 }
 
 #[inline(always)]
-fn sample_area<R: Real>(
-    area: &AreaLights,
-    p: Vec3<R>,
-    table: Option<R::Bits>,
-    u_choice: R,
-    u: [R; 2],
-) -> LightSample<R> {
-    let (point, radiance, primitive) = area.sample(p, table, u_choice, u);
+fn sample_area<R: Real>(area: &AreaLights, p: Vec3<R>, table: Option<R::Bits>, u: [R; 2], fine: R) -> LightSample<R> {
+    let AreaSample { point, radiance, primitive, u } = area.sample(p, table, u, fine);
     LightSample {
         wi: point.wi,
         target: point.target,
@@ -235,6 +230,7 @@ fn sample_area<R: Real>(
         pdf: point.pdf,
         is_environment: R::Mask::splat(false),
         primitive,
+        u,
     }
 }
 

@@ -131,7 +131,7 @@ impl<R: Real> CameraSample<'_, R> {
         let position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
         let mut light = self.world.sample_light(surface.at.p, None, u[LIGHT_CHOICE], position, active)?;
         if self.world.plan.patterned_lights {
-            crate::kernel::look_up_pattern(self.world, &mut light, position, active);
+            crate::kernel::look_up_pattern(self.world, &mut light, active);
         }
         let ray = crate::kernel::light_ray(surface, &light);
         Some((light, ray))

@@ -1,16 +1,17 @@
 //! The numbers of a path, by one of two samplers: a function of (seed, pixel, sample, dimension) with either.
 
 use super::dimensions::*;
-use super::sobol::{self, Key};
+use super::sobol::{self, Key, PairSet};
 use super::{Xoshiro, sample_key, to_unit};
-use crate::lane::{Bits, Real, array};
+use crate::lane::{Bits, Mask, Real, array};
 
 /// How the numbers of the samples of a pixel relate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum SamplerKind {
     /// Owen-scrambled Sobol' points, padded in pairs of dimensions: the numbers of one purpose fill their range evenly over
-    /// the samples of a pixel. Pixels are scrambled independently.
+    /// the samples of a pixel, and so do the place in the pixel and the first vertex's point on a light, or direction,
+    /// together. Pixels are scrambled independently.
     Sobol,
     /// Independent numbers (xoshiro128++): the variance of a pixel's mean is s²/n.
     #[default]
@@ -39,6 +40,8 @@ const SETS: u32 = 5;
 const OPACITY_SET: u32 = 4;
 /// Of the camera: pixel and lens.
 const CAMERA_SETS: u32 = 2;
+const PIXEL_SET: u32 = 0;
+const LENS_SET: u32 = 1;
 
 impl<R: Real> Sampler<R> {
     /// Nothing that may be drawn from.
@@ -96,8 +99,8 @@ impl<R: Real> Sampler<R> {
         match kind {
             SamplerKind::Independent => self.0.camera_dims(),
             SamplerKind::Sobol => {
-                let pixel = self.pair(R::Bits::splat(0));
-                let lens = if lens { self.pair(R::Bits::splat(1)) } else { pixel };
+                let pixel = self.pair(R::Bits::splat(PIXEL_SET));
+                let lens = if lens { self.pair(R::Bits::splat(LENS_SET)) } else { pixel };
                 [pixel[0], pixel[1], lens[0], lens[1]]
             }
         }
@@ -133,8 +136,17 @@ impl<R: Real> Sampler<R> {
         let set = |k: u32| Self::set(bounce, k);
         // What no path draws stays 0.
         let mut u = [R::zero(); BOUNCE];
-        [u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]] = self.pair(set(0));
-        [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]] = self.pair(set(1));
+        let [direction, position] = [set(0), set(1)].map(|set| PairSet::new(self.key(), set));
+        let mut order = [direction, position].map(|set| set.shuffle(self.0.s[0]));
+        let first = bounce.eq(R::zero());
+        if first.any() {
+            // Beside the pixel's pair. The two need not go together: a vertex adds what they find.
+            let pixel = PairSet::new(self.key(), R::Bits::splat(PIXEL_SET));
+            let beside = sobol::beside::<R>(pixel.shuffle(self.0.s[0]));
+            order = order.map(|padded| R::Bits::select(first, beside, padded));
+        }
+        [u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]] = array::map(direction.pair(order[0]), to_unit);
+        [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]] = array::map(position.pair(order[1]), to_unit);
         [u[LIGHT_CHOICE], u[BSDF_LOBE]] = self.pair(set(2));
         u[ROULETTE] = self.hashed(set(3));
         u[OPACITY] = self.hashed(set(OPACITY_SET));
@@ -148,7 +160,8 @@ impl<R: Real> Sampler<R> {
 
     #[inline(always)]
     fn pair(&self, set: R::Bits) -> [R; 2] {
-        array::map(sobol::owen_2d_lanes::<R>(self.0.s[0], self.key(), set), to_unit)
+        let set = PairSet::new(self.key(), set);
+        array::map(set.pair(set.shuffle(self.0.s[0])), to_unit)
     }
 
     #[inline(always)]

@@ -5,12 +5,12 @@
 //! that any point is had from its index alone. It acts on reversed digits, and so points are made reversed: bit k of a
 //! number *in reverse* is its digit of weight 2^−(k+1).
 //!
-//! Sets of two or four dimensions are padded: each set shuffles the index by a hash of its own, again by Owen's
+//! Pairs of dimensions are padded: each set shuffles the index by a hash of its own, again by Owen's
 //! permutation, which leaves any aligned block of 2^k indices a block.
 
 pub use super::mix::to_unit;
 use super::sobol_table::{COLUMNS, DIMENSIONS};
-use crate::lane::{Bits, Real, array};
+use crate::lane::{Bits, Real};
 
 /// The most dimensions one Sobol' point has here.
 pub const MAX_DIMENSIONS: usize = DIMENSIONS;
@@ -56,15 +56,48 @@ pub fn owen_2d<R: Real>(index: R::Bits, key: Key<R>, set: u32) -> [R::Bits; 2] {
     ]
 }
 
-/// [`owen_2d`] for a set a lane, `index` given in reverse: the numbers are others, their distribution is the same.
+/// Padded pairs a lane, of one key: numbers of set k for the points of one pixel.
+#[derive(Clone, Copy)]
+pub struct PairSet<R: Real> {
+    of_set: R::Bits,
+}
+
+impl<R: Real> PairSet<R> {
+    /// Set `set` of `key`.
+    #[inline(always)]
+    pub fn new(key: Key<R>, set: R::Bits) -> Self {
+        Self { of_set: mix::<R>(mix::<R>(key.low + set * R::Bits::splat(0x9e37_79b9)) ^ key.high) }
+    }
+
+    /// The set's own order of the indices, given in reverse.
+    #[inline(always)]
+    pub fn shuffle(self, reversed_index: R::Bits) -> R::Bits {
+        reverse::<R>(laine_karras::<R>(reversed_index, self.of_set))
+    }
+
+    /// The pair of a shuffled index, scrambled as the set says: over aligned blocks of 2^k samples a (0, k, 2)-net.
+    #[inline(always)]
+    pub fn pair(self, shuffled: R::Bits) -> [R::Bits; 2] {
+        let second = pascal::<R>(shuffled);
+        // One more mixing each: seeds that only differ by a constant would scramble both dimensions alike.
+        let seeds = [0x7f4a_7c15, 0x94d0_49bb].map(|salt| mix::<R>(self.of_set + R::Bits::splat(salt)));
+        [reverse::<R>(laine_karras::<R>(shuffled, seeds[0])), reverse::<R>(laine_karras::<R>(second, seeds[1]))]
+    }
+}
+
+/// The order of the indices for a second pair that goes well with the first: pairs of `shuffled` and of this are together
+/// low-discrepancy points of four dimensions, and each is a (0, k, 2)-net of its own, which no four dimensions of Sobol's are.
+///
+/// With C₀ the unit matrix and C₁ Pascal's, the generators of Sobol's first pair, and S the shift to the next lower digit,
+/// this is A = (I + S)·C₁·(I + S + S² + S⁶ + S⁸) over GF(2): then C₀, C₁, C₀A, C₁A generate a (t, k, 4)-net with
+/// Σ t = 24 over k = 2 … 12 and t ≤ 3. Found by trying 2¹⁶ such products; the least of any was 24
+/// (`tests/sampling/sobol.rs` has the t of each k).
 #[inline(always)]
-pub fn owen_2d_lanes<R: Real>(reversed_index: R::Bits, key: Key<R>, set: R::Bits) -> [R::Bits; 2] {
-    let of_set = mix::<R>(mix::<R>(key.low + set * R::Bits::splat(0x9e37_79b9)) ^ key.high);
-    let shuffled = reverse::<R>(laine_karras::<R>(reversed_index, of_set));
-    let second = pascal::<R>(shuffled);
-    // One more mixing each: seeds that only differ by a constant would scramble both dimensions alike.
-    let seeds = [0x7f4a_7c15, 0x94d0_49bb].map(|salt| mix::<R>(of_set + R::Bits::splat(salt)));
-    [reverse::<R>(laine_karras::<R>(shuffled, seeds[0])), reverse::<R>(laine_karras::<R>(second, seeds[1]))]
+pub fn beside<R: Real>(shuffled: R::Bits) -> R::Bits {
+    let x = shuffled;
+    let x = x ^ x.shr::<1>() ^ x.shr::<2>() ^ x.shr::<6>() ^ x.shr::<8>();
+    let x = pascal::<R>(x);
+    x ^ x.shr::<1>()
 }
 
 /// A number without structure for sample `index` and purpose `set`, a lane: a hash.
@@ -72,22 +105,6 @@ pub fn owen_2d_lanes<R: Real>(reversed_index: R::Bits, key: Key<R>, set: R::Bits
 pub fn hashed_lanes<R: Real>(index: R::Bits, key: Key<R>, set: R::Bits) -> R::Bits {
     let of_set = mix::<R>(key.low + set * R::Bits::splat(0x9e37_79b9)) ^ key.high;
     mix::<R>(mix::<R>(of_set) + index * R::Bits::splat(0x9e37_79b1))
-}
-
-/// Four numbers of the padded set `set` for sample `index`: the first four dimensions of Sobol'. A set number is used for
-/// [`owen_2d`] or for this, not for both.
-#[inline(always)]
-pub fn owen_4d<R: Real>(index: R::Bits, key: Key<R>, set: u32) -> [R::Bits; 4] {
-    let shuffled = shuffle::<R>(index, key.child(8 * set));
-    let mut points = [shuffled, pascal::<R>(shuffled), R::Bits::splat(0), R::Bits::splat(0)];
-    let mut digits = shuffled;
-    for (third, fourth) in COLUMNS[2].iter().zip(&COLUMNS[3]) {
-        let taken = R::Bits::splat(0) - (digits & R::Bits::splat(1));
-        points[2] = points[2] ^ (taken & R::Bits::splat(*third));
-        points[3] = points[3] ^ (taken & R::Bits::splat(*fourth));
-        digits = digits.shr::<1>();
-    }
-    array::from_fn(|d| reverse::<R>(laine_karras::<R>(points[d], key.child(8 * set + 1 + d as u32))))
 }
 
 /// Number `dimension` < [`MAX_DIMENSIONS`] of Sobol' point `index`, in reverse, not scrambled.

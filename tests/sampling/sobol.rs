@@ -2,7 +2,7 @@
 
 use crate::stats::{Moments, Rng, assert_variance, chi2_test};
 use octolux::lane::{Bits, Real, f32x8, f32x16};
-use octolux::sampling::sobol::{self, Key, MAX_DIMENSIONS};
+use octolux::sampling::sobol::{self, Key, MAX_DIMENSIONS, PairSet};
 
 type One = <f32 as Real>::Bits;
 
@@ -24,9 +24,11 @@ fn agrees_with_one_lane<R: Real>() {
             for set in [0, 1, 77] {
                 let (many, few) = (sobol::owen_2d::<R>(index, key, set), sobol::owen_2d::<f32>(one, alone, set));
                 (0..2).for_each(|d| assert_eq!(many[d].lane(lane), value(few[d])));
-                let (many, few) = (sobol::owen_4d::<R>(index, key, set), sobol::owen_4d::<f32>(one, alone, set));
-                (0..4).for_each(|d| assert_eq!(many[d].lane(lane), value(few[d])));
+                let (sets, own) = (PairSet::new(key, R::Bits::splat(set)), PairSet::new(alone, One::splat(set)));
+                let (many, few) = (sets.pair(sets.shuffle(index)), own.pair(own.shuffle(one)));
+                (0..2).for_each(|d| assert_eq!(many[d].lane(lane), value(few[d])));
             }
+            assert_eq!(sobol::beside::<R>(index).lane(lane), value(sobol::beside::<f32>(one)));
             for d in 0..MAX_DIMENSIONS {
                 let many = sobol::owen_sobol::<R>(index, key, d).lane(lane);
                 assert_eq!(many, value(sobol::owen_sobol::<f32>(one, alone, d)));
@@ -62,9 +64,18 @@ fn aligned_blocks_are_nets_before_and_after_scrambling() {
             let set = seed as u32 % 7;
             let points = indices.clone().map(|i| sobol::owen_2d::<f32>(One::splat(i), key(seed), set).map(value));
             assert!(is_net(&points.collect::<Vec<_>>()), "2-D, key {seed}, block {block} of 2^{k}");
-            let points = indices.clone().map(|i| sobol::owen_4d::<f32>(One::splat(i), key(seed), set).map(value));
-            let pairs: Vec<[u32; 2]> = points.map(|p| [p[0], p[1]]).collect();
-            assert!(is_net(&pairs), "first two of 4-D, key {seed}, block {block} of 2^{k}");
+            let pairs = PairSet::new(key(seed), One::splat(set));
+            let order = indices.clone().map(|i| pairs.shuffle(One::splat(i.reverse_bits())));
+            let points: Vec<[One; 4]> = order
+                .map(|x| {
+                    let ([a, b], [c, d]) = (pairs.pair(x), pairs.pair(sobol::beside::<f32>(x)));
+                    [a, b, c, d]
+                })
+                .collect();
+            for first in [0, 2] {
+                let pair: Vec<[u32; 2]> = points.iter().map(|p| [value(p[first]), value(p[first + 1])]).collect();
+                assert!(is_net(&pair), "dimensions from {first}, key {seed}, block {block} of 2^{k}");
+            }
             for d in 0..MAX_DIMENSIONS {
                 let mut cells: Vec<u32> = indices
                     .clone()
@@ -75,6 +86,46 @@ fn aligned_blocks_are_nets_before_and_after_scrambling() {
             }
         }
     }
+}
+
+/// The least t for which every elementary box of volume 2^(t−k) holds 2^t of the 2^k points.
+fn quality(points: &[[u32; 4]]) -> u32 {
+    let k = points.len().ilog2();
+    let fair = |splits: [u32; 4]| {
+        let digits: u32 = splits.iter().sum();
+        let mut count = vec![0u32; 1 << digits];
+        for p in points {
+            let join = |cell: usize, d: usize| cell << splits[d] | (u64::from(p[d]) >> (32 - splits[d])) as usize;
+            count[(0..4).fold(0, join)] += 1;
+        }
+        count.iter().all(|&n| n == 1 << (k - digits))
+    };
+    let all_fair = |digits: u32| {
+        let triples = (0..=digits).flat_map(|a| (0..=digits - a).map(move |b| (a, b)));
+        let mut splits = triples.flat_map(|(a, b)| (0..=digits - a - b).map(move |c| [a, b, c, digits - a - b - c]));
+        splits.all(fair)
+    };
+    (0..=k).find(|t| all_fair(k - t)).unwrap_or(k)
+}
+
+/// By counting points in boxes, before and after scrambling; padded pairs, whose orders are random, are worse.
+#[test]
+fn the_pair_beside_makes_a_net_of_four_dimensions() {
+    let expected = [1, 1, 1, 2, 3, 2, 3, 2, 3, 3, 3];
+    for (k, t) in (2..=12).zip(expected) {
+        let plain = |i: u32| {
+            let [x, y] = [One::splat(i), sobol::beside::<f32>(One::splat(i))];
+            [(x, 0), (x, 1), (y, 0), (y, 1)].map(|(x, d)| value(sobol::sobol_reversed::<f32>(x, d)).reverse_bits())
+        };
+        assert_eq!(quality(&(0..1 << k).map(plain).collect::<Vec<_>>()), t, "2^{k} points");
+    }
+    let (pixel, light) = (PairSet::new(key(1), One::splat(0)), PairSet::new(key(1), One::splat(3)));
+    let order = |i: u32| pixel.shuffle(One::splat(i.reverse_bits()));
+    let join = |[a, b]: [One; 2], [c, d]: [One; 2]| [a, b, c, d].map(value);
+    let scrambled = |i: u32| join(pixel.pair(order(i)), light.pair(sobol::beside::<f32>(order(i))));
+    let padded = |i: u32| join(pixel.pair(order(i)), light.pair(light.shuffle(One::splat(i.reverse_bits()))));
+    assert_eq!(quality(&(0..1 << 10).map(scrambled).collect::<Vec<_>>()), expected[8]);
+    assert!(quality(&(0..1 << 10).map(padded).collect::<Vec<_>>()) > expected[8] + 1);
 }
 
 /// Sobol's own first points (Bratley & Fox 1988, in index order instead of Gray code), dimensions 1 to 4.

@@ -187,7 +187,7 @@ impl Worker<'_> {
                 return;
             };
             if world.plan.patterned_lights {
-                pattern::look_up(world, &mut light, u_position, active);
+                pattern::look_up(world, &mut light, active);
             }
             let wi = vertex.frame.to_local(light.wi);
             let lit = active & light.pdf.gt(R::zero()) & same_side(wi.z, surface.ng.dot(light.wi));
