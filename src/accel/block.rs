@@ -1,10 +1,12 @@
 //! Leaves: eight triangles or spheres side by side.
 
+use super::interval::Interval;
+use super::lanes::ones;
 use super::tree::{Block, OneHit, OneRay, PacketRay};
 use crate::geometry::plane_normal;
 use crate::geometry::slab::{own_hi, own_lo, slab, sphere_hi, sphere_lo};
 use crate::geometry::{Edges, Hit, MISS, RaySetup, Vertices, edges, intersect_sphere, largest, own_box, pass_edges};
-use crate::lane::{Bits, Mask, Real, axes};
+use crate::lane::{Bits, Mask, Real, axes, u32x8};
 use core::hint::select_unpredictable;
 
 /// Eight triangles: coordinates by vertex and axis, so that a single ray's choice of axes is a choice of arrays.
@@ -75,29 +77,70 @@ impl TriangleBlock {
         (edges, within & t.lt(E::splat(ray.t_max)), t)
     }
 
-    /// Triangle `i` against a packet: candidates and their final distances.
+    /// Triangle `i` in every lane, in the order of each.
     #[inline(always)]
-    fn test_packet<R: Real>(
+    fn turned<R: Real>(&self, ray: &PacketRay<R>, i: usize) -> Vertices<R> {
+        let world = self.splat([0, 1, 2], i);
+        axes(|vertex| axes(|k| ray.pick(k, world[vertex])))
+    }
+
+    /// `turned` gives the vertices of a place in the packet's order.
+    #[inline(always)]
+    fn closest_turned<R: Real>(
         &self,
         ray: &PacketRay<R>,
-        i: usize,
-        t_best: R,
+        places: u32,
         active: R::Mask,
-    ) -> Option<(Edges<R>, R::Mask, R)> {
-        let turned = match ray.order {
-            Some(order) => self.splat(order, i),
-            None => {
-                let world = self.splat([0, 1, 2], i);
-                axes(|vertex| axes(|k| ray.pick(k, world[vertex])))
+        hit: &mut Hit<R>,
+        t_max: R,
+        turned: impl Fn(usize) -> Vertices<R>,
+    ) {
+        for i in ones(places) {
+            let i = i % 8;
+            if let Some(found) = test_packet(ray.setup, turned(i), self.splat([0, 1, 2], i), hit.t, active) {
+                keep_triangle(found, self.id[i], t_max, hit);
             }
-        };
-        let edges = pass_edges(&ray.setup.shear, turned, active)?;
-        let world = self.splat([0, 1, 2], i);
-        let (mask, t) = edges.distance(ray.setup, world[0], plane_normal(world), t_best)?;
-        let (lo, hi) = own_box(world);
-        let (t_near, t_far) = ray.setup.slab(lo, hi);
-        Some((edges, mask & t_near.le(t_far), t_near.max_or(t)))
+        }
     }
+
+    /// See [`TriangleBlock::closest_turned`].
+    #[inline(always)]
+    fn any_turned<R: Real>(
+        &self,
+        ray: &PacketRay<R>,
+        places: u32,
+        t_max: R,
+        active: R::Mask,
+        turned: impl Fn(usize) -> Vertices<R>,
+    ) -> R::Mask {
+        let mut open = active;
+        for i in ones(places) {
+            let i = i % 8;
+            if let Some((_, mask, t)) = test_packet(ray.setup, turned(i), self.splat([0, 1, 2], i), t_max, open) {
+                open = open & !(mask & t.lt(t_max));
+                if open.none() {
+                    break;
+                }
+            }
+        }
+        active & !open
+    }
+}
+
+/// A triangle against a packet: candidates and their final distances.
+#[inline(always)]
+fn test_packet<R: Real>(
+    setup: &RaySetup<R>,
+    turned: Vertices<R>,
+    world: Vertices<R>,
+    t_best: R,
+    active: R::Mask,
+) -> Option<(Edges<R>, R::Mask, R)> {
+    let edges = pass_edges(&setup.shear, turned, active)?;
+    let (mask, t) = edges.distance(setup, world[0], plane_normal(world), t_best)?;
+    let (lo, hi) = own_box(world);
+    let (t_near, t_far) = setup.slab(lo, hi);
+    Some((edges, mask & t_near.le(t_far), t_near.max_or(t)))
 }
 
 /// Does (t, primitive) beat the best so far?
@@ -160,7 +203,24 @@ fn keep_one<E: Real>(mask: E::Mask, t: E, ids: &[u32; 8], first: usize, best: &m
     (lane, wins)
 }
 
+/// Places that are not empty, as bits.
+#[inline(always)]
+fn filled(id: &[u32; 8]) -> u32 {
+    let empty = <u32x8 as Bits>::load(id).eq(<u32x8 as Bits>::splat(MISS));
+    !empty.bits() & 0xff
+}
+
 impl Block for TriangleBlock {
+    #[inline(always)]
+    fn places<E: Real>(&self, interval: Option<&Interval<E>>, t_best: f32) -> u32 {
+        let filled = filled(&self.id);
+        let Some(interval) = interval.filter(|_| E::WIDTH == 8) else { return filled };
+        let v: Vertices<E> = self.load([0, 1, 2], 0);
+        let lo = axes(|k| own_lo(v[0][k], v[1][k], v[2][k]));
+        let hi = axes(|k| own_hi(v[0][k], v[1][k], v[2][k]));
+        let (t_near, t_far) = interval.slab(lo, hi, t_best);
+        t_near.le_bits(t_far) & filled
+    }
     #[inline(always)]
     fn may_hit<E: Real>(&self, ray: &OneRay<E>) -> bool {
         (0..8).step_by(E::WIDTH).any(|i| self.edges_one(ray, i).inside.any())
@@ -183,25 +243,19 @@ impl Block for TriangleBlock {
         (0..8).step_by(E::WIDTH).any(|i| self.test_one(ray, i, t_max).1.any())
     }
     #[inline(always)]
-    fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
-        for (i, id) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
-            if let Some(found) = self.test_packet(ray, i, hit.t, active) {
-                keep_triangle(found, *id, t_max, hit);
-            }
+    fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
+        // Two loops: a choice of order inside one would keep the vertices as scalars.
+        match ray.order {
+            Some(order) => self.closest_turned(ray, places, active, hit, t_max, |i| self.splat(order, i)),
+            None => self.closest_turned(ray, places, active, hit, t_max, |i| self.turned(ray, i)),
         }
     }
     #[inline(always)]
-    fn any_packet<R: Real>(&self, ray: &PacketRay<R>, t_max: R, active: R::Mask) -> R::Mask {
-        let mut open = active;
-        for (i, _) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
-            if let Some((_, mask, t)) = self.test_packet(ray, i, t_max, open) {
-                open = open & !(mask & t.lt(t_max));
-                if open.none() {
-                    break;
-                }
-            }
+    fn any_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, t_max: R, active: R::Mask) -> R::Mask {
+        match ray.order {
+            Some(order) => self.any_turned(ray, places, t_max, active, |i| self.splat(order, i)),
+            None => self.any_turned(ray, places, t_max, active, |i| self.turned(ray, i)),
         }
-        active & !open
     }
 }
 
@@ -235,6 +289,10 @@ impl SphereBlock {
 
 impl Block for SphereBlock {
     #[inline(always)]
+    fn places<E: Real>(&self, _: Option<&Interval<E>>, _: f32) -> u32 {
+        filled(&self.id)
+    }
+    #[inline(always)]
     fn may_hit<E: Real>(&self, _: &OneRay<E>) -> bool {
         true
     }
@@ -252,18 +310,18 @@ impl Block for SphereBlock {
         (0..8).step_by(E::WIDTH).any(|i| self.test_one(ray, i, t_max).is_some_and(|(mask, _)| mask.any()))
     }
     #[inline(always)]
-    fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
-        for (i, id) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
-            if let Some((mask, t)) = self.test_packet(ray, i, hit.t, active) {
-                keep_sphere(mask, t, *id, t_max, hit);
+    fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
+        for i in ones(places) {
+            if let Some((mask, t)) = self.test_packet(ray, i % 8, hit.t, active) {
+                keep_sphere(mask, t, self.id[i % 8], t_max, hit);
             }
         }
     }
     #[inline(always)]
-    fn any_packet<R: Real>(&self, ray: &PacketRay<R>, t_max: R, active: R::Mask) -> R::Mask {
+    fn any_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, t_max: R, active: R::Mask) -> R::Mask {
         let mut open = active;
-        for (i, _) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
-            if let Some((mask, t)) = self.test_packet(ray, i, t_max, open) {
+        for i in ones(places) {
+            if let Some((mask, t)) = self.test_packet(ray, i % 8, t_max, open) {
                 open = open & !(mask & t.lt(t_max));
             }
         }
