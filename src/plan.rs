@@ -4,6 +4,8 @@
 //! plan is a pure function of the scene and the options; thresholds are compiled constants found by measuring
 //! (`benches/README.md`). A kernel specialised to a scene gives the general kernel's bits on it.
 
+mod light_paths;
+
 use crate::light::MANY_LIGHTS;
 use crate::scene::{Bsdf, Environment, IntegratorKind, Material, NO_NORMAL, Scene};
 use std::collections::BTreeSet;
@@ -133,6 +135,8 @@ pub struct Plan {
     pub light_grid: bool,
     /// Point, spot and directional lights.
     pub delta_lights: bool,
+    /// Are paths traced from the lights, too? The same in the general kernel: it decides on samples.
+    pub light_paths: bool,
     /// Does the camera have a lens of some size?
     pub lens: bool,
     /// Images that change how materials scatter or emit.
@@ -228,6 +232,8 @@ impl Plan {
         let why = format!("{shining} in the scene");
         let delta_lights =
             decide("lights without extent", (shining > 0 || on(Feature::DeltaLights)) && light_transport, why);
+        let (wanted, why) = light_paths::decide(scene, &used, lamps);
+        let light_paths = decide("paths from the lights", wanted, why);
         let radius = scene.camera.lens_radius;
         let lens = decide("lens", radius > 0.0, format!("its radius is {radius}"));
         let images = Images::of(scene, &used);
@@ -272,6 +278,7 @@ impl Plan {
             area_lights,
             light_grid,
             delta_lights,
+            light_paths,
             lens,
             textures,
             cutouts,

@@ -113,9 +113,12 @@ impl Renderer {
             return Err(RenderError::NoPaths(kind));
         }
         let width = self.width;
-        self.run(&self.world(scene)?, &|world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
-            kernel::render_own(world, own, width, job, out, counters);
-        })
+        self.run(
+            &self.world(scene)?.without_light_paths(),
+            &|world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
+                kernel::render_own(world, own, width, job, out, counters);
+            },
+        )
     }
 
     /// Averages a program's own integrand over the camera samples of a scene; the scene's integrator is not looked at.
@@ -124,13 +127,14 @@ impl Renderer {
     /// See [`RenderError`].
     pub fn integrate<I: Integrand>(&self, scene: &Scene, integrand: &I) -> Result<Film, RenderError> {
         let width = self.width;
-        self.run(&self.world(scene)?, &|world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
-            match width {
+        self.run(
+            &self.world(scene)?.without_light_paths(),
+            &|world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| match width {
                 Width::One => own::integrate::<f32, I>(integrand, world, job, out, counters),
                 Width::Eight => own::integrate::<f32x8, I>(integrand, world, job, out, counters),
                 Width::Sixteen => own::integrate::<f32x16, I>(integrand, world, job, out, counters),
-            }
-        })
+            },
+        )
     }
 
     fn world(&self, scene: &Scene) -> Result<World, RenderError> {

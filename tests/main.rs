@@ -12,6 +12,7 @@ mod gather;
 mod independent;
 mod lane;
 mod light;
+mod light_paths;
 mod numerics;
 mod oracle;
 mod own;

@@ -7,6 +7,7 @@
 mod block;
 mod brute;
 mod build;
+mod built;
 mod collapse;
 mod corners;
 mod facets;
@@ -24,6 +25,7 @@ use crate::lane::Real;
 use block::{SphereBlock, TriangleBlock};
 use brute::SphereList;
 pub use build::{BuildOptions, BuildReport, Preset};
+pub use built::Built;
 use facets::TriangleList;
 use std::time::Instant;
 use tree::Tree;
@@ -78,6 +80,7 @@ pub struct Accel {
     spheres: SphereList,
     triangle_tree: Tree<TriangleBlock>,
     sphere_tree: Tree<SphereBlock>,
+    has_trees: bool,
     report: BuildReport,
 }
 
@@ -96,7 +99,7 @@ impl Accel {
         assert!(triangles.len() + spheres.len() < 1 << 28, "more primitives than child words can name");
         let vertices = |i: usize| triangles[i].map(|k| positions[k as usize]);
         let first_sphere = triangles.len() as u32;
-        let mut accel = Self::default();
+        let mut accel = Self { has_trees: options.trees, ..Self::default() };
         if options.lists {
             accel.triangles = TriangleList::new((0..triangles.len()).map(vertices));
             accel.spheres = SphereList::new(spheres, first_sphere);

@@ -132,8 +132,9 @@ fn print_difference(d: &Difference, report: &Report, args: &SceneArgs) {
         value(d.expected_bits)
     );
     let size = args.size.map_or(String::new(), |s| format!(" --size {}x{}", s.width, s.height));
+    let light_paths = args.light_paths.map_or(String::new(), |l| format!(" --light-paths {}", l.name()));
     println!(
-        "  replay: octolux replay {} --bits --pixel {},{} --sample {} --seed {} --sampler {}{size}",
+        "  replay: octolux replay {} --bits --pixel {},{} --sample {} --seed {} --sampler {}{size}{light_paths}",
         report.scene,
         d.x,
         d.y,

@@ -6,7 +6,7 @@ use crate::kernel::{Prepare, Width, World};
 use crate::plan::{Force, Plan};
 use crate::render::{self, Phase, Times};
 use crate::sampling::SamplerKind;
-use crate::scene::{FilmSize, Scene};
+use crate::scene::{FilmSize, LightPaths, Scene};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -23,6 +23,9 @@ pub struct SceneArgs {
     /// How the samples of a pixel relate: even (scrambled Sobol' points) or independent
     #[arg(long, value_enum, default_value_t = SamplerKind::Sobol)]
     pub sampler: SamplerKind,
+    /// Trace paths from the lights, too [default: as the scene says, else auto: where the plan finds that they pay]
+    #[arg(long, value_enum)]
+    pub light_paths: Option<LightPaths>,
     /// Tree quality
     #[arg(long, value_enum, default_value_t = Preset::Medium)]
     pub build: Preset,
@@ -59,6 +62,9 @@ impl SceneArgs {
         let mut scene = crate::scene::load(&self.scene)?;
         if let Some(size) = self.size {
             scene.film = size;
+        }
+        if let Some(light_paths) = self.light_paths {
+            scene.integrator.light_paths = light_paths;
         }
         Ok(scene)
     }

@@ -85,6 +85,7 @@ impl StateArgs {
             aovs: options.aovs,
             posterior: options.aovs && world.plan.posterior,
             shares_points: world.integrator.shares_points(),
+            light_paths: world.light_paths.is_some(),
         };
         if let Some(path) = &self.resume {
             let State { head, film } = State::load(path)?;

@@ -1,7 +1,7 @@
 //! The thin-lens camera in lanes.
 
 use crate::geometry::Ray;
-use crate::lane::{Real, Vec3};
+use crate::lane::{Bits, Real, Vec3};
 use crate::sampling::warp;
 use crate::scene::{self, FilmSize};
 
@@ -20,6 +20,21 @@ pub struct Camera {
     focus_distance: f32,
     /// 2 / film size in pixels.
     pixel: [f32; 2],
+    /// The inverse: pixels to the right and down for a point at unit distance along `forward`.
+    to_film: [[f32; 3]; 2],
+    film: FilmSize,
+    /// Pixels in a unit of area at unit distance.
+    pixel_density: f32,
+}
+
+/// Where on the film the camera sees a point.
+pub struct Seen<R: Real> {
+    /// Row by row from the top left; 0 in lanes that are not `inside`.
+    pub pixel: R::Bits,
+    /// See [`Camera::importance`].
+    pub importance: R,
+    /// Lanes seen by some pixel.
+    pub inside: R::Mask,
 }
 
 impl Camera {
@@ -40,7 +55,45 @@ impl Camera {
             lens: [right, up].map(|axis| f(axis * (camera.lens_radius as f64 * scale as f64))),
             focus_distance: camera.focus_distance * scale,
             pixel: [2.0 / film.width as f32, 2.0 / film.height as f32],
+            to_film: [
+                f(right * (0.5 * film.width as f64 / half_width)),
+                f(up * (-0.5 * film.height as f64 / half_height)),
+            ],
+            film,
+            pixel_density: (film.width as f64 * film.height as f64 / (4.0 * half_width * half_height)) as f32,
         }
+    }
+
+    /// The density per solid angle with which a pixel's rays, from one point of the lens, take the unit direction `d`,
+    /// where they do: 1/(A cos³θ) for a pixel of area A at unit distance.
+    #[inline(always)]
+    pub fn importance<R: Real>(&self, d: Vec3<R>) -> R {
+        let cos = d.dot(Vec3::splat(self.forward));
+        R::splat(self.pixel_density) / (cos * cos * cos)
+    }
+
+    /// A point of the lens, as [`Camera::lens_ray`] takes it.
+    #[inline(always)]
+    pub fn eye<R: Real>(&self, lens: bool, u: [R; 2]) -> Vec3<R> {
+        let position = Vec3::splat(self.position);
+        if lens { position + self.off_axis(u) } else { position }
+    }
+
+    /// The pixel whose rays from the point `eye` of the lens take the unit direction `d`.
+    #[inline(always)]
+    pub fn project<R: Real>(&self, eye: Vec3<R>, d: Vec3<R>) -> Seen<R> {
+        let cos = d.dot(Vec3::splat(self.forward));
+        let ahead = cos.gt(R::zero());
+        // In the plane of focus all rays of a film position meet.
+        let off_axis = (eye - Vec3::splat(self.position)) * R::splat(self.focus_distance.recip());
+        let at_unit = d * cos.recip() + off_axis;
+        let [x, y] = [(0, self.film.width), (1, self.film.height)]
+            .map(|(axis, size)| at_unit.dot(Vec3::splat(self.to_film[axis])) + R::splat(0.5 * size as f32));
+        let (width, height) = (R::splat(self.film.width as f32), R::splat(self.film.height as f32));
+        let inside = ahead & x.ge(R::zero()) & x.lt(width) & y.ge(R::zero()) & y.lt(height);
+        let whole = |x: R| x.floor().masked(inside).to_int();
+        let pixel = whole(y) * R::Bits::splat(self.film.width) + whole(x);
+        Seen { pixel, importance: R::splat(self.pixel_density) / (cos * cos * cos), inside }
     }
 
     /// Rays through film positions in pixels from the top left corner and the centre of the lens. Directions are unit.
@@ -53,12 +106,18 @@ impl Camera {
     /// The same from a point of the lens, uniform for uniform `u`: all rays of a film position meet in the plane of focus.
     #[inline(never)]
     pub fn lens_ray<R: Real>(&self, x: R, y: R, u: [R; 2]) -> Ray<R> {
-        let [lens_x, lens_y] = warp::uniform_disk(u);
-        let [right, up] = self.lens.map(Vec3::splat);
-        let off_axis = right.mul_add(lens_x, up * lens_y);
+        let off_axis = self.off_axis(u);
         let to_focus = self.through(x, y).mul_add(R::splat(self.focus_distance), -off_axis);
         let origin = Vec3::splat(self.position) + off_axis;
         Ray { origin, direction: to_focus.normalize(), t_max: R::splat(f32::INFINITY) }
+    }
+
+    /// From the centre of the lens to a point of it.
+    #[inline(always)]
+    fn off_axis<R: Real>(&self, u: [R; 2]) -> Vec3<R> {
+        let [lens_x, lens_y] = warp::uniform_disk(u);
+        let [right, up] = self.lens.map(Vec3::splat);
+        right.mul_add(lens_x, up * lens_y)
     }
 
     /// Through a film position, reaching 1 along the viewing direction.

@@ -7,6 +7,7 @@ mod camera;
 pub(crate) mod cutout;
 mod gather;
 mod illumination;
+pub mod light_paths;
 mod maps;
 mod material;
 mod numbers;
@@ -27,6 +28,7 @@ mod world;
 pub use camera::Camera;
 pub use gather::GatherReport;
 pub use illumination::{PixelPoint, Technique};
+pub use light_paths::{LightJob, LightPaths, Splat};
 pub(crate) use material::AllModels;
 pub(crate) use path::light_ray;
 pub use path::{Traversal, mis_weight};
@@ -39,7 +41,7 @@ pub(crate) use tile::CameraQueue;
 pub use tile::{Counters, Job, SampleBuffer};
 pub use world::{Prepare, Setup, World};
 
-use crate::accel::{Brute, Packet, Shadow, Stream};
+use crate::accel::{Brute, Built, Packet, Shadow, Stream};
 use crate::lane::{f32x8, f32x16};
 use crate::plan::{GeometryMode, Shading};
 use crate::scene::IntegratorKind;
@@ -59,6 +61,14 @@ impl Traversal for TreeTraversal {
     type Camera = Packet;
     type Bounce = Stream;
     type Shadow = Shadow;
+}
+
+/// As the world is built; for kernels that record, whose speed counts for less than their number.
+pub struct AsBuilt;
+impl Traversal for AsBuilt {
+    type Camera = Built<Packet>;
+    type Bounce = Built<Stream>;
+    type Shadow = Built<Shadow>;
 }
 
 /// Number of lanes a kernel is compiled for.
@@ -155,6 +165,18 @@ pub fn select(world: &World, width: Width) -> Kernel {
     }
 }
 
+/// Traces a job's light paths and appends what they splat.
+pub type LightKernel = fn(&World, &LightJob, &mut Vec<Splat>, &mut Counters);
+
+/// The kernel of light paths, of all models; `None` where the plan leaves them out.
+pub fn select_light(world: &World, width: Width) -> Option<LightKernel> {
+    world.light_paths?;
+    Some(match world.plan.geometry {
+        GeometryMode::Brute => widths!(width, light, [BruteForce]),
+        GeometryMode::Tree => widths!(width, light, [TreeTraversal]),
+    })
+}
+
 /// What is instantiated for an integrator.
 enum Estimator {
     Path,
@@ -176,15 +198,12 @@ impl Estimator {
 }
 
 /// The recording twin of [`select`]: same source, general shading. Of a gather it records what each sample found, from
-/// the one kernel there is.
+/// the one kernel there is, as built.
 pub fn select_recording(world: &World, width: Width) -> RecordingKernel {
-    match (Estimator::of(world), world.plan.geometry) {
-        (Estimator::Path, GeometryMode::Brute) => widths!(width, record_path, [BruteForce]),
-        (Estimator::Path, GeometryMode::Tree) => widths!(width, record_path, [TreeTraversal]),
-        (Estimator::Gather, GeometryMode::Brute) => widths!(width, record_gather, [BruteForce]),
-        (Estimator::Gather, GeometryMode::Tree) => widths!(width, record_gather, [TreeTraversal]),
-        (Estimator::View, GeometryMode::Brute) => widths!(width, record_view, [BruteForce]),
-        (Estimator::View, GeometryMode::Tree) => widths!(width, record_view, [TreeTraversal]),
+    match Estimator::of(world) {
+        Estimator::Path => widths!(width, record_path, [AsBuilt]),
+        Estimator::Gather => widths!(width, record_gather, [AsBuilt]),
+        Estimator::View => widths!(width, record_view, [AsBuilt]),
     }
 }
 
@@ -202,6 +221,16 @@ mod run {
         counters: &mut Counters,
     ) {
         super::wave::render::<R, T, S, NoProbe>(world, &S::default(), job, out, counters, &mut NoProbe)
+    }
+
+    #[inline(never)]
+    pub fn light<R: Real, T: Traversal>(
+        world: &World,
+        job: &LightJob,
+        splats: &mut Vec<Splat>,
+        counters: &mut Counters,
+    ) {
+        super::light_paths::trace::<R, T>(world, job, splats, counters)
     }
 
     #[inline(never)]

@@ -5,6 +5,7 @@
 //! Every random number is a function of (seed, pixel, sample, dimension), and a path adds to its own slot: which lane it
 //! ran in leaves no trace.
 
+use super::light_paths::ratio::{Arrival, reversed_pdf, weight_against};
 use super::pattern;
 use super::probe::{Lanes, Probe, Stage};
 use super::queue::Queue;
@@ -14,6 +15,7 @@ use super::surface::Surface;
 use super::tile::SampleBuffer;
 use super::world::World;
 use crate::accel::Mode;
+use crate::bsdf::Sample;
 use crate::geometry::{Hit, Ray, SurfacePoint, shadow_ray};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::light::{LightSample, sphere_pdf, triangle_pdf};
@@ -95,8 +97,9 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
     if out.features.is_some() {
         write_features(world, *paths, surface, alive, out);
     }
+    let arrival = Arrival::new(world, paths, &surface, out);
     if world.plan.area_lights {
-        add_emission(world, shade, paths, &surface, out, probe);
+        add_emission(world, shade, paths, &surface, arrival.as_ref(), out, probe);
     }
     let mut rng = paths.rng;
     let mut u = world.bounce_numbers(&mut rng, paths.bounce);
@@ -119,9 +122,14 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
         paths.table = lights.table_at(surface.at.p, n);
     }
     if (world.lights.is_some() || S::OWN_LIGHT) && scatters.any() {
-        sample_direct(world, shade, paths, &surface, &frame, wo, &u, scatters, shadows, probe);
+        let arrival = arrival.as_ref();
+        sample_direct(world, shade, paths, &surface, &frame, wo, &u, scatters, arrival, shadows, probe);
     }
-    scatter(world, shade, paths, &surface, &frame, wo, &u, scatters, probe);
+    let sample = scatter(world, shade, paths, &surface, &frame, wo, &u, scatters, probe);
+    if let Some(arrival) = arrival.filter(|_| paths.alive.any()) {
+        let back = reversed_pdf(world, shade, paths.hit, surface, [wo, sample.wi], paths.alive & !sample.delta);
+        arrival.leave(surface, sample, [wo.z, back], *paths, out);
+    }
     roulette(paths, u[ROULETTE], probe);
 }
 
@@ -154,6 +162,7 @@ fn add_emission<R: Real, S: Shade, P: Probe>(
     shade: &S,
     paths: &Paths<R>,
     surface: &Surface<R>,
+    arrival: Option<&Arrival<R>>,
     out: &mut SampleBuffer,
     probe: &mut P,
 ) {
@@ -173,7 +182,14 @@ fn add_emission<R: Real, S: Shade, P: Probe>(
         pdf = pdf * lights.choice_ratio(paths.hit.primitive, paths.table, emitting);
     }
     let pdf = shade.shared(world, pdf);
-    let contribution = paths.beta.hadamard(surface.material.emission) * mis_weight(paths.bsdf_pdf, pdf);
+    let weight = match arrival {
+        None => mis_weight(paths.bsdf_pdf, pdf),
+        Some(arrival) => {
+            let light_path = arrival.at_light(world, paths.hit, surface.light_row, emitting);
+            weight_against(pdf / paths.bsdf_pdf, light_path)
+        }
+    };
+    let contribution = paths.beta.hadamard(surface.material.emission) * weight;
     let contribution = probe.tap_rgb(Stage::Emission, paths.lanes(emitting), contribution);
     out.add(paths.slot, contribution, emitting);
 }
@@ -191,6 +207,7 @@ fn sample_direct<R: Real, S: Shade, P: Probe>(
     wo: Vec3<R>,
     u: &[R; BOUNCE],
     scatters: R::Mask,
+    arrival: Option<&Arrival<R>>,
     shadows: &mut Queue<R, SHADOW>,
     probe: &mut P,
 ) {
@@ -208,6 +225,10 @@ fn sample_direct<R: Real, S: Shade, P: Probe>(
     let lit = lit & pdf.gt(R::zero()) & same_side(wi.z, surface.ng.dot(light.wi));
     let eval = shade.eval(world, &paths.hit, surface, [wo, wi], lit);
     let mut weight = mis_weight(pdf, eval.pdf) / pdf;
+    if let Some(arrival) = arrival.filter(|_| lit.any()) {
+        let back = reversed_pdf(world, shade, paths.hit, *surface, [wo, wi], lit);
+        weight = weight_against(eval.pdf / pdf, arrival.at_sample(world, *surface, light, back, lit)) / pdf;
+    }
     if world.plan.delta_lights || S::OWN_LIGHT {
         // Nothing else finds a light without extent.
         weight = R::select(light.is_delta(), pdf.recip(), weight);
@@ -248,7 +269,7 @@ fn scatter<R: Real, S: Shade, P: Probe>(
     u: &[R; BOUNCE],
     scatters: R::Mask,
     probe: &mut P,
-) {
+) -> Sample<R> {
     let numbers = [u[BSDF_LOBE], u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]];
     let sample = shade.sample(world, &paths.hit, surface, wo, numbers, scatters);
     let direction = frame.to_world(sample.wi);
@@ -266,6 +287,7 @@ fn scatter<R: Real, S: Shade, P: Probe>(
     paths.eta_squared = paths.eta_squared * sample.eta * sample.eta;
     paths.alive = goes_on & paths.beta.max_component().gt(R::zero());
     paths.ray = surface.ray_towards(direction);
+    sample
 }
 
 /// Russian roulette (Arvo & Kirk 1990): from the fifth scattering event on a path survives with probability
@@ -275,17 +297,20 @@ fn scatter<R: Real, S: Shade, P: Probe>(
 /// everything, and the variance has no bound (`check --numerics`, white cavity, prints what that gives).
 #[inline(always)]
 fn roulette<R: Real, P: Probe>(paths: &mut Paths<R>, u: R, probe: &mut P) {
-    let events = paths.bounce + R::one();
-    let plays = paths.alive & events.ge(R::splat(ROULETTE_AFTER));
-    if plays.none() {
-        return;
-    }
     let carried = paths.beta.max_component() * paths.eta_squared;
-    let survival = R::select(carried.gt(R::one()), R::one(), carried.min_or(R::splat(MAX_SURVIVAL)));
+    let Some((plays, survival)) = roulette_survival(paths.bounce + R::one(), carried, paths.alive) else { return };
     let survival = probe.tap(Stage::Roulette, paths.lanes(plays), survival);
     let survives = u.lt(survival);
     paths.alive = paths.alive & (survives | !plays);
     paths.beta = paths.beta * R::select(plays & survives, survival.recip(), R::one());
+}
+
+/// Lanes that play roulette after `events` scattering events, and their probability to survive; `None` where none does.
+#[inline(always)]
+pub(super) fn roulette_survival<R: Real>(events: R, carried: R, alive: R::Mask) -> Option<(R::Mask, R)> {
+    let plays = alive & events.ge(R::splat(ROULETTE_AFTER));
+    let survival = R::select(carried.gt(R::one()), R::one(), carried.min_or(R::splat(MAX_SURVIVAL)));
+    plays.any().then_some((plays, survival))
 }
 
 /// Albedo, shading normal towards the viewer and distance of the first hit.

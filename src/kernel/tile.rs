@@ -41,6 +41,8 @@ pub struct SampleBuffer {
     pub rgb: Vec<[f32; 3]>,
     /// First hits, where they are asked for.
     pub features: Option<Vec<AovSample>>,
+    /// What camera paths carry beside light paths (see [`light_paths`](super::light_paths)); empty where there are none.
+    pub light_ratio: Vec<f32>,
 }
 
 impl SampleBuffer {
@@ -49,6 +51,12 @@ impl SampleBuffer {
         self.rgb.clear();
         self.rgb.resize(slots, [0.0; 3]);
         self.features = features.then(|| vec![AovSample::default(); slots]);
+    }
+
+    /// Room for the ratios of every path, before any is traced.
+    pub fn begin_ratios(&mut self, wanted: bool) {
+        self.light_ratio.clear();
+        self.light_ratio.resize(if wanted { self.rgb.len() } else { 0 }, 0.0);
     }
 
     /// Adds to the slots of `mask`.

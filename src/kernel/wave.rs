@@ -34,6 +34,7 @@ pub fn render<R: Real, T: Traversal, S: Shade, P: Probe>(
     counters: &mut Counters,
     probe: &mut P,
 ) {
+    out.begin_ratios(world.light_paths.is_some());
     let mut camera = CameraQueue::<R>::new(world, job);
     let mut wave = Wave::<R, T, S, P>::new(world, shade, POOL, out, counters, probe);
     wave.run(|counters| {

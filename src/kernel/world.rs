@@ -2,6 +2,7 @@
 
 use super::camera::Camera;
 use super::gather::{self, GatherReport, GatherTables};
+use super::light_paths::LightPaths;
 use super::material::MaterialTable;
 use super::pattern::mean_radiance;
 use super::texture::TextureTable;
@@ -54,6 +55,8 @@ pub struct World {
     pub materials: MaterialTable,
     /// `None` where nothing emits or nothing transports light.
     pub lights: Option<Lights>,
+    /// `None` unless the plan keeps them.
+    pub light_paths: Option<LightPaths>,
     /// `None` unless the integrator gathers.
     pub gather: Option<GatherTables>,
     /// One length unit of the kernel is this many of the scene's: a power of two.
@@ -152,11 +155,13 @@ impl World {
             triangle_count: scene.mesh.triangles.len() as u32,
             materials,
             lights,
+            light_paths: None,
             gather: None,
             unit: scale.recip(),
             plan,
             setup,
         };
+        world.light_paths = LightPaths::of(&world);
         if scene.integrator.kind == IntegratorKind::Gather {
             gather::prepare(&mut world, &scene.materials);
             world.setup.gather = world.gather.as_ref().map(|tables| tables.report.clone());
@@ -167,6 +172,12 @@ impl World {
     /// The same with random numbers of a program's own. A gather, whose points belong to the scene's method, keeps its own.
     pub fn with_numbers(mut self, numbers: Arc<dyn Numbers>) -> World {
         self.numbers = (self.integrator.kind != IntegratorKind::Gather).then_some(numbers);
+        self.without_light_paths()
+    }
+
+    /// The same by camera paths alone: a program's own numbers and materials know nothing of light paths.
+    pub fn without_light_paths(mut self) -> World {
+        self.light_paths = None;
         self
     }
 

@@ -26,6 +26,8 @@ pub struct Lights {
     delta_probability: f32,
     /// 0, 1, or [`ENVIRONMENT_PROBABILITY`].
     environment_probability: f32,
+    /// The probability that is left to area lights, and their power.
+    area_share: (f32, f64),
 }
 
 impl Lights {
@@ -58,9 +60,11 @@ impl Lights {
         };
         let grid = f64::from(1u32 << 24);
         let delta_probability = (others * delta_share * grid).round() / grid;
-        let area = AreaLights::build(emitters, others - delta_probability)?;
+        let share = others - delta_probability;
+        let area = AreaLights::build(emitters, share)?;
         let delta_probability = delta_probability as f32;
-        Ok(Self { area, environment, delta, delta_probability, environment_probability })
+        let area_share = (share as f32, area_power);
+        Ok(Self { area, environment, delta, delta_probability, environment_probability, area_share })
     }
 
     /// Where area lights are many, lets [`Lights::sample_from`] choose them by where the receiver is. Of
@@ -182,6 +186,19 @@ impl Lights {
             sample = LightSample::select(delta_lanes, other.only(delta_lanes), sample);
         }
         sample
+    }
+
+    /// An emitting primitive chosen by power among those with an area, and its radiance; for paths that start there. Of no
+    /// meaning where there is none.
+    #[inline(always)]
+    pub fn choose_emitter<R: Real>(&self, u_choice: R, u: [R; 2]) -> (R::Bits, Vec3<R>) {
+        self.area.as_ref().map_or((R::Bits::splat(0), Vec3::zero()), |area| area.choose(u_choice, u))
+    }
+
+    /// How often light samples go to area lights, which [`Lights::emitter_pdf_row`] includes, and the power of these, in the
+    /// units of [`Emitter::power`]; `None` without any.
+    pub fn area_lights(&self) -> Option<(f32, f64)> {
+        self.area.as_ref().map(|_| self.area_share)
     }
 
     /// What a primitive keeps beside its shading data so that [`triangle_pdf`](super::triangle_pdf) and [`sphere_pdf`](super::sphere_pdf) need no look-up:

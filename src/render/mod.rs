@@ -4,6 +4,7 @@ pub mod budget;
 pub mod interrupt;
 mod phase;
 mod progress;
+mod splats;
 #[allow(missing_docs)] // fields are keys of the state's head
 pub mod state;
 #[allow(missing_docs)] // fields are keys of the report
@@ -16,11 +17,12 @@ pub use state::{State, StateError};
 pub use summary::{Summary, Times};
 
 use crate::film::{AovSample, Film, FilmChannels, TileFilm};
-use crate::kernel::{Counters, Job, SampleBuffer, Width, World, select};
+use crate::kernel::{Counters, Job, LightKernel, SampleBuffer, Width, World, select, select_light};
 use crate::lane::float_mode;
 use crate::process::{allowed_cores, pin_to_core, seconds_since_process_start};
 use budget::Pacer;
 use rayon::prelude::*;
+use splats::Splats;
 use std::cell::RefCell;
 use std::time::Instant;
 
@@ -145,6 +147,7 @@ pub fn render_by(
     let most = film.samples() + (budget::MAX_SAMPLES - film.next_sample());
     let samples = Some(options.budget.samples.unwrap_or(most).min(most));
     let mut pacer = Pacer::new(Budget { samples, ..options.budget });
+    let light = select_light(world, options.width);
     let mut counters = Counters::default();
     let mut output = options.output_seconds;
     let mut first_pass = true;
@@ -157,8 +160,9 @@ pub fn render_by(
             Err(reason) => break reason,
         };
         let pass_start = Instant::now();
-        let pass = Pass { world, kernel, first_sample: film.next_sample(), samples, aovs };
-        counters.add(&pool.install(|| pass.run(film.tiles_mut())));
+        let pass = Pass { world, kernel, light, aovs };
+        let first = film.next_sample();
+        counters.add(&pool.install(|| pass.run(film.tiles_mut(), first, first + samples)));
         if interrupt::presses() > 0 {
             break StoppedBy::Interrupt;
         }
@@ -178,12 +182,11 @@ pub fn render_by(
     Outcome { film, stopped_by, counters, render_seconds: start.elapsed().as_secs_f64() }
 }
 
-/// One round over the film.
+/// Rounds over the film.
 struct Pass<'a> {
     world: &'a World,
     kernel: JobKernel<'a>,
-    first_sample: u64,
-    samples: u64,
+    light: Option<LightKernel>,
     aovs: bool,
 }
 
@@ -193,22 +196,34 @@ thread_local! {
 }
 
 impl Pass<'_> {
-    fn run(&self, tiles: &mut [TileFilm]) -> Counters {
+    /// Samples `first … end` of all tiles.
+    fn run(&self, tiles: &mut [TileFilm], first: u64, end: u64) -> Counters {
+        let Some(light) = self.light else { return self.render_tiles(tiles, first, end, None) };
+        let mut counters = Counters::default();
+        let at_once = Splats::samples_at_once(self.world);
+        for from in (first..end).step_by(at_once as usize) {
+            let to = end.min(from + at_once);
+            let Some(splats) = Splats::trace(self.world, light, from, to - from, &mut counters) else { break };
+            counters.add(&self.render_tiles(tiles, from, to, Some(&splats)));
+        }
+        counters
+    }
+
+    fn render_tiles(&self, tiles: &mut [TileFilm], first: u64, end: u64, splats: Option<&Splats>) -> Counters {
         let add = |mut a: Counters, b: Counters| {
             a.add(&b);
             a
         };
-        tiles.par_iter_mut().map(|tile| self.render_tile(tile)).reduce(Counters::default, add)
+        tiles.par_iter_mut().map(|tile| self.render_tile(tile, first, end, splats)).reduce(Counters::default, add)
     }
 
-    /// Renders this pass's samples of one tile, as many at a time as the cache holds; none once the user interrupts.
-    fn render_tile(&self, tile: &mut TileFilm) -> Counters {
+    /// Renders samples of one tile, as many at a time as the cache holds; none once the user interrupts.
+    fn render_tile(&self, tile: &mut TileFilm, first: u64, end: u64, splats: Option<&Splats>) -> Counters {
         let rect = tile.rect();
         let at_once = (JOB_SLOTS / (rect.width * rect.height)).max(1) as u64;
         let mut counters = Counters::default();
         // An interrupted pass left some tiles ahead of others.
-        let mut first = self.first_sample.max(tile.next_sample());
-        let end = self.first_sample + self.samples;
+        let mut first = first.max(tile.next_sample());
         while first < end && interrupt::presses() == 0 {
             let samples = at_once.min(end - first);
             let job = Job {
@@ -222,6 +237,9 @@ impl Pass<'_> {
             SLOTS.with_borrow_mut(|slots| {
                 slots.reset(job.slots(), self.aovs);
                 (self.kernel)(self.world, &job, slots, &mut counters);
+                if let Some(splats) = splats {
+                    splats.add_to(rect, first, samples as usize, &mut slots.rgb);
+                }
                 let aovs: &[AovSample] = slots.features.as_deref().unwrap_or(&[]);
                 tile.add_samples(first, samples as usize, &slots.rgb, aovs);
             });

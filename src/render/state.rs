@@ -39,6 +39,9 @@ pub struct Origin {
     /// See [`Integrator::shares_points`](crate::scene::Integrator::shares_points).
     #[serde(default)]
     pub shares_points: bool,
+    /// Are paths from the lights among them?
+    #[serde(default)]
+    pub light_paths: bool,
 }
 
 /// The first lines of a state file.
@@ -89,11 +92,13 @@ impl Origin {
         let version = |origin: &Origin| origin.version.clone();
         let scene = |origin: &Origin| origin.fingerprint.clone();
         let sampler = |origin: &Origin| origin.sampler.name().to_string();
-        let facts: [(_, Fact, String); 6] = [
+        let light_paths = |origin: &Origin| if origin.light_paths { "on" } else { "off" }.to_string();
+        let facts: [(_, Fact, String); 7] = [
             ("version of octolux", version, "go on with the one that began it".to_string()),
             ("size", size, format!("give --size {}", size(theirs))),
             ("seed", seed, format!("give --seed {}", theirs.seed)),
             ("sampler", sampler, format!("give --sampler {}", theirs.sampler.name())),
+            ("way of light paths", light_paths, format!("give --light-paths {}", light_paths(theirs))),
             ("set of channels", aovs, "give --aovs to all or to none".to_string()),
             ("scene", scene, "it goes on only with the scene, meshes and images as they were".to_string()),
         ];

@@ -12,6 +12,7 @@ mod error;
 mod fingerprint;
 mod gather;
 mod image_file;
+mod light_paths;
 mod load;
 mod materials;
 mod mesh_file;
@@ -35,6 +36,7 @@ mod validate;
 pub use builder::SceneBuilder;
 pub use error::SceneError;
 pub use gather::{Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherShrinkage, GatherWeights};
+pub use light_paths::LightPaths;
 pub use load::load;
 pub use texture::{Channel, FileName, Image, Maps, Texels, Texture};
 pub use validate::InvalidScene;
@@ -101,6 +103,8 @@ pub struct Integrator {
     pub max_depth: f32,
     /// `phong`: radiance that arrives from everywhere, ≥ 0.
     pub ambient: [f32; 3],
+    /// `path`: are paths traced from the lights, too?
+    pub light_paths: LightPaths,
     /// Read for `gather` alone.
     pub gather: Gather,
 }
@@ -109,7 +113,14 @@ pub struct Integrator {
 impl Default for Integrator {
     fn default() -> Self {
         let kind = IntegratorKind::Path;
-        Integrator { kind, max_bounces: 7, max_depth: 5.0, ambient: [0.0; 3], gather: Gather::default() }
+        Integrator {
+            kind,
+            max_bounces: 7,
+            max_depth: 5.0,
+            ambient: [0.0; 3],
+            light_paths: LightPaths::default(),
+            gather: Gather::default(),
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use super::gather::{MOST_DIRECTIONS, MOST_SETS};
 use super::toml_text::{Colour, TomlText};
 use super::{
     Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherShrinkage, GatherWeights, Integrator,
-    IntegratorKind,
+    IntegratorKind, LightPaths,
 };
 use crate::estimate::bmc::{Covariance, Points};
 use serde::Deserialize;
@@ -33,6 +33,7 @@ pub(super) struct IntegratorTable {
     weights: Word,
     shrinkage: Word,
     lights: Word,
+    light_paths: Word,
 }
 
 const KINDS: [(&str, IntegratorKind); 7] = [
@@ -57,6 +58,8 @@ const PDFS: [(&str, GatherPdf); 3] =
 const ROTATIONS: [(&str, bool); 2] = [("none", false), ("random", true)];
 const WEIGHTS: [(&str, GatherWeights); 2] = [("per-hit", GatherWeights::PerHit), ("shared", GatherWeights::Shared)];
 const SHRINKAGES: [(&str, GatherShrinkage); 2] = [("pilot", GatherShrinkage::Pilot), ("none", GatherShrinkage::None)];
+const LIGHT_PATHS: [(&str, LightPaths); 3] =
+    [("auto", LightPaths::Auto), ("on", LightPaths::On), ("off", LightPaths::Off)];
 const LIGHTS: [(&str, GatherLights); 2] = [("seen", GatherLights::Seen), ("sampled", GatherLights::Sampled)];
 
 /// A length-scale or smoothness where the scene gives none.
@@ -79,6 +82,8 @@ pub(super) fn integrator(table: Option<&IntegratorTable>, text: &TomlText) -> Re
     if let Some(ambient) = &table.ambient {
         integrator.ambient = text.colour("ambient", ambient, &NON_NEGATIVE)?;
     }
+    integrator.light_paths =
+        choice("way of `light_paths`", &table.light_paths, &LIGHT_PATHS, integrator.light_paths, text)?;
     integrator.gather = gather(table, text)?;
     Ok(integrator)
 }

@@ -4,8 +4,8 @@ use crate::renders::Set;
 use octolux::estimate::bmc::Points;
 use octolux::scene::{
     Bsdf, Channel, ConductorFresnel, DeltaLight, Environment, EnvironmentImage, Gather, GatherLights, GatherMethod,
-    GatherPdf, GatherWeights, Image, Integrator, IntegratorKind, Maps, Masking, Material, NO_TEXCOORD, Scene, Texels,
-    Texture,
+    GatherPdf, GatherWeights, Image, Integrator, IntegratorKind, LightPaths, Maps, Masking, Material, NO_TEXCOORD,
+    Scene, Texels, Texture,
 };
 use std::f64::consts::TAU;
 
@@ -23,6 +23,10 @@ pub fn all() -> Vec<(&'static str, Scene)> {
         ("lambert stage", lambert_stage()),
         ("images", images()),
         ("crumpled ball", crumpled_ball(true)),
+        ("light paths", with_light_paths(crate::light_paths::shop(true))),
+        ("light paths, stage", with_light_paths(stage_lights(true))),
+        ("light paths, images", with_light_paths(crate::light_paths::flat_images())),
+        ("light paths, lambert room", with_light_paths(lambert_room())),
         ("gather", with_gather(spheres_under_a_sky(), 1, Gather::default())),
         ("gather, paths go on", with_gather(everything(), 4, Gather { samples: 9, ..Gather::default() })),
         ("gather, at each hit", with_gather(lambert_room(), 1, per_hit(Points::Owen, GatherMethod::BmcIs))),
@@ -39,6 +43,11 @@ pub fn all() -> Vec<(&'static str, Scene)> {
         ("phong, images", phong(images())),
         ("black", Set::new([0.0, 0.0, 3.0], [0.0; 3], 40.0, SIDE).finish()),
     ]
+}
+
+pub fn with_light_paths(mut scene: Scene) -> Scene {
+    scene.integrator.light_paths = LightPaths::On;
+    scene
 }
 
 fn with_gather(mut scene: Scene, bounces: u32, gather: Gather) -> Scene {

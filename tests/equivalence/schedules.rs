@@ -45,6 +45,7 @@ fn sobol_points_leave_no_trace_either() {
         ("lambert room", scenes::lambert_room()),
         ("images", scenes::images()),
         ("stage lights", scenes::stage_lights(true)),
+        ("light paths", scenes::with_light_paths(crate::light_paths::shop(true))),
     ] {
         let world = |force| renders::sampled(&scene, SEED, force, SamplerKind::Sobol);
         let expected = film_on(&thread_pool(1).expect("a thread"), &world(general), SAMPLES, scalar());
@@ -65,13 +66,15 @@ fn scalar() -> How {
 
 #[test]
 fn threads_and_tiles_leave_no_trace() {
-    let world = renders::world(&scenes::everything(), SEED);
-    let expected = film_on(&thread_pool(1).expect("a thread"), &world, SAMPLES, scalar());
-    for (threads, tile) in [(1, 1), (2, 3), (3, 7), (4, 8), (2, 13), (1, 64)] {
-        let pool = thread_pool(threads).expect("threads");
-        for width in Width::ALL {
-            let found = film_on(&pool, &world, SAMPLES, How { width, tile });
-            assert_same(&format!("{threads} threads, tile {tile}, {} lanes", width.lanes()), &found, &expected);
+    for scene in [scenes::everything(), scenes::with_light_paths(crate::light_paths::shop(false))] {
+        let world = renders::world(&scene, SEED);
+        let expected = film_on(&thread_pool(1).expect("a thread"), &world, SAMPLES, scalar());
+        for (threads, tile) in [(1, 1), (2, 3), (3, 7), (4, 8), (2, 13), (1, 64)] {
+            let pool = thread_pool(threads).expect("threads");
+            for width in Width::ALL {
+                let found = film_on(&pool, &world, SAMPLES, How { width, tile });
+                assert_same(&format!("{threads} threads, tile {tile}, {} lanes", width.lanes()), &found, &expected);
+            }
         }
     }
 }

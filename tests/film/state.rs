@@ -49,6 +49,7 @@ fn head(film: &Film) -> Head {
         aovs: film.channels().has_aovs(),
         posterior: film.channels().has_posterior(),
         shares_points: false,
+        light_paths: false,
     };
     Head {
         origin,

@@ -11,7 +11,7 @@ mod replicates;
 
 use crate::renders;
 use blocks::Part;
-use octolux::scene::{self, Environment, EnvironmentImage, Scene};
+use octolux::scene::{self, Environment, EnvironmentImage, LightPaths, Scene};
 use reference::Reference;
 use replicates::Replicates;
 
@@ -47,11 +47,12 @@ const CASES: [Case; 11] = [
 /// the noise of their edges. Pixels below this see none.
 const NO_LAMP: f64 = 2.0;
 
-/// Means tested here: three channels of every image and block, and of the pixels without a lamp.
+/// Means tested here, at most: three channels of every image and block, with and without light paths, and of the pixels without a
+/// lamp.
 const TESTS: usize = {
     let (mut tests, mut i) = (3, 0);
     while i < CASES.len() {
-        tests += 3 * (1 + CASES[i].blocks * CASES[i].blocks) as usize;
+        tests += 2 * 3 * (1 + CASES[i].blocks * CASES[i].blocks) as usize;
         i += 1;
     }
     tests
@@ -110,6 +111,35 @@ references! {
     furnace_smooth_metal: "furnace_ggx_a0.2",
     furnace_rough_metal: "furnace_ggx_a1",
     furnace_rough_glass: "furnace_rglass_a0.5",
+}
+
+/// With paths from the lights, wanted or not.
+fn with_light_paths(mut scene: Scene) -> Scene {
+    scene.integrator.light_paths = LightPaths::On;
+    scene
+}
+
+#[test]
+fn cornell_with_light_paths() {
+    check("cornell", with_light_paths);
+}
+
+#[test]
+fn veach_mis_with_light_paths() {
+    check("veach_mis", with_light_paths);
+}
+
+#[test]
+fn door_ajar_with_light_paths() {
+    check("door_ajar", with_light_paths);
+}
+
+#[test]
+fn glass_without_light_paths() {
+    check("glass", |mut scene| {
+        scene.integrator.light_paths = LightPaths::Off;
+        scene
+    });
 }
 
 /// With the environment's rows where the reference has them: no allowance is needed.

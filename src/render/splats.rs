@@ -1,0 +1,102 @@
+//! What the light paths of some samples splat, summed pixel by pixel in the order of the paths: the same at any width, number
+//! of threads and size of a job.
+
+use super::interrupt;
+use crate::film::Rect;
+use crate::kernel::{Counters, LightJob, LightKernel, Splat, World};
+use rayon::prelude::*;
+
+/// Light paths that a worker traces at once: their splats stay in its caches.
+const JOB_PATHS: u32 = 4096;
+/// Values of pixels and samples held at once, 12 bytes each, where a sample has no more.
+const MOST_VALUES: u64 = 1 << 20;
+
+/// Sums of splats: one image a sample.
+pub struct Splats {
+    first_sample: u64,
+    width: usize,
+    images: Vec<Vec<[f32; 3]>>,
+}
+
+impl Splats {
+    /// How many samples to hold at once.
+    pub fn samples_at_once(world: &World) -> u64 {
+        (MOST_VALUES / pixels(world).max(1) as u64).max(1)
+    }
+
+    /// Traces all light paths of `samples` samples, in the current thread pool. `None` once the user interrupts.
+    pub fn trace(
+        world: &World,
+        kernel: LightKernel,
+        first_sample: u64,
+        samples: u64,
+        counters: &mut Counters,
+    ) -> Option<Splats> {
+        let count = world.light_paths?.count;
+        let jobs_of = |sample: u64| {
+            (0..count).step_by(JOB_PATHS as usize).map(move |first| LightJob {
+                sample: sample as u32,
+                first,
+                count: JOB_PATHS.min(count - first),
+            })
+        };
+        let jobs: Vec<LightJob> = (first_sample..first_sample + samples).flat_map(jobs_of).collect();
+        let traced: Vec<(Vec<Splat>, Counters)> = jobs.par_iter().map(|job| one_job(world, kernel, job)).collect();
+        if interrupt::presses() > 0 {
+            return None;
+        }
+        traced.iter().for_each(|(_, of_job)| counters.add(of_job));
+        let jobs_a_sample = count.div_ceil(JOB_PATHS) as usize;
+        let images = traced.par_chunks(jobs_a_sample).map(|jobs| sum(jobs, pixels(world))).collect();
+        Some(Splats { first_sample, width: world.film.width as usize, images })
+    }
+
+    /// Adds what belongs to samples `first_sample …` of a rectangle to their slots, `samples` a pixel.
+    pub fn add_to(&self, rect: Rect, first_sample: u64, samples: usize, slots: &mut [[f32; 3]]) {
+        let images = &self.images[(first_sample - self.first_sample) as usize..][..samples];
+        let pixels = (rect.y..rect.y + rect.height).flat_map(|y| (rect.x..rect.x + rect.width).map(move |x| (x, y)));
+        for (slots, (x, y)) in slots.chunks_exact_mut(samples).zip(pixels) {
+            let pixel = y as usize * self.width + x as usize;
+            for (slot, image) in slots.iter_mut().zip(images) {
+                *slot = std::array::from_fn(|c| slot[c] + image[pixel][c]);
+            }
+        }
+    }
+}
+
+fn pixels(world: &World) -> usize {
+    world.film.width as usize * world.film.height as usize
+}
+
+/// The splats of a job in the order of its paths; each path's come in its own.
+fn one_job(world: &World, kernel: LightKernel, job: &LightJob) -> (Vec<Splat>, Counters) {
+    let (mut splats, mut counters) = (Vec::new(), Counters::default());
+    if interrupt::presses() == 0 {
+        kernel(world, job, &mut splats, &mut counters);
+    }
+    (by_path(&splats, job.count as usize), counters)
+}
+
+/// Sorted by path, those of a path left in order: by counting.
+fn by_path(splats: &[Splat], paths: usize) -> Vec<Splat> {
+    let Some(&any) = splats.first() else { return Vec::new() };
+    let mut place = vec![0u32; paths + 1];
+    splats.iter().for_each(|splat| place[splat.path as usize + 1] += 1);
+    (0..paths).for_each(|path| place[path + 1] += place[path]);
+    let mut sorted = vec![any; splats.len()];
+    for splat in splats {
+        let place = &mut place[splat.path as usize];
+        sorted[*place as usize] = *splat;
+        *place += 1;
+    }
+    sorted
+}
+
+fn sum(jobs: &[(Vec<Splat>, Counters)], pixels: usize) -> Vec<[f32; 3]> {
+    let mut image = vec![[0.0f32; 3]; pixels];
+    for splat in jobs.iter().flat_map(|(splats, _)| splats) {
+        let value = &mut image[splat.pixel as usize];
+        *value = std::array::from_fn(|c| value[c] + splat.rgb[c]);
+    }
+    image
+}
