@@ -86,11 +86,9 @@ impl<R: Real, T: Traversal> LightWave<'_, R, T> {
                 self.next.push(walk.alive, &pack(&walk));
                 started += R::WIDTH as u32;
             }
-            if started >= job.count {
-                if !self.hits.is_empty() {
-                    self.shade_waiting();
-                    self.hits.clear();
-                }
+            if started >= job.count && !self.hits.is_empty() {
+                self.shade_waiting();
+                self.hits.clear();
             }
             self.trace_links();
             if started >= job.count && self.next.is_empty() {
