@@ -167,6 +167,14 @@ impl AreaLights {
         (R::Bits::from_fn(|i| self.primitives[index.lane(i) as usize]), rows.vector(RADIANCE))
     }
 
+    /// A primitive chosen by power, and its radiance.
+    #[inline(always)]
+    pub(super) fn choose<R: Real>(&self, u_choice: R, u: [R; 2]) -> (R::Bits, Vec3<R>) {
+        let index = self.table.choose(u_choice, u);
+        let rows = LaneRows::<R>::of(&self.rows, index);
+        (R::Bits::from_fn(|i| self.primitives[index.lane(i) as usize]), rows.vector(RADIANCE))
+    }
+
     /// See [`Lights::emitter_pdf_row`](super::Lights::emitter_pdf_row).
     pub(super) fn pdf_row(&self, primitive: u32) -> f32 {
         self.find(primitive).map_or(0.0, |i| self.rows[i][PDF_ROW])
