@@ -139,8 +139,7 @@ impl AreaLights {
                 let ratio = grid.choice.ratio(table, choice.entry);
                 (choice, Some(ratio))
             }
-            _ if self.rows.len() == 1 => (Choice { entry: R::Bits::splat(0), rest: u[0] }, None),
-            _ => (self.choice.choose(R::Bits::splat(0), u[0], fine), None),
+            _ => (self.by_power(u[0], fine), None),
         };
         let u = [rest, u[1]];
         let rows = LaneRows::<R>::of(&self.rows, index);
@@ -159,20 +158,21 @@ impl AreaLights {
         AreaSample { point, radiance: rows.vector(RADIANCE), primitive, u }
     }
 
-    /// A primitive chosen by power, and its radiance.
+    /// A primitive chosen by power, its radiance, and what is left of `u` for the point on it.
     #[inline(always)]
-    pub(super) fn choose<R: Real>(&self, u_choice: R, u: [R; 2]) -> (R::Bits, Vec3<R>) {
-        let index = self.table.choose(u_choice, u);
+    pub(super) fn choose<R: Real>(&self, u: [R; 2], fine: R) -> (R::Bits, Vec3<R>, [R; 2]) {
+        let Choice { entry: index, rest } = self.by_power(u[0], fine);
         let rows = LaneRows::<R>::of(&self.rows, index);
-        (R::Bits::from_fn(|i| self.primitives[index.lane(i) as usize]), rows.vector(RADIANCE))
+        let primitive = R::Bits::from_fn(|i| self.primitives[index.lane(i) as usize]);
+        (primitive, rows.vector(RADIANCE), [rest, u[1]])
     }
 
-    /// A primitive chosen by power, and its radiance.
     #[inline(always)]
-    pub(super) fn choose<R: Real>(&self, u_choice: R, u: [R; 2]) -> (R::Bits, Vec3<R>) {
-        let index = self.table.choose(u_choice, u);
-        let rows = LaneRows::<R>::of(&self.rows, index);
-        (R::Bits::from_fn(|i| self.primitives[index.lane(i) as usize]), rows.vector(RADIANCE))
+    fn by_power<R: Real>(&self, u: R, fine: R) -> Choice<R> {
+        if self.rows.len() == 1 {
+            return Choice { entry: R::Bits::splat(0), rest: u };
+        }
+        self.choice.choose(R::Bits::splat(0), u, fine)
     }
 
     /// See [`Lights::emitter_pdf_row`](super::Lights::emitter_pdf_row).

@@ -189,11 +189,12 @@ impl Lights {
         sample
     }
 
-    /// An emitting primitive chosen by power among those with an area, and its radiance; for paths that start there. Of no
-    /// meaning where there is none.
+    /// An emitting primitive chosen by power among those with an area, for paths that start there, with its radiance, and what
+    /// the choice leaves of `u`, extended by `fine`, for the point on it. Of no meaning where there is none.
     #[inline(always)]
-    pub fn choose_emitter<R: Real>(&self, u_choice: R, u: [R; 2]) -> (R::Bits, Vec3<R>) {
-        self.area.as_ref().map_or((R::Bits::splat(0), Vec3::zero()), |area| area.choose(u_choice, u))
+    pub fn choose_emitter<R: Real>(&self, u: [R; 2], fine: R) -> (R::Bits, Vec3<R>, [R; 2]) {
+        let area = self.area.as_ref();
+        area.map_or((R::Bits::splat(0), Vec3::zero(), u), |area| area.choose(u, fine))
     }
 
     /// How often light samples go to area lights, which [`Lights::emitter_pdf_row`] includes, and the power of these, in the

@@ -10,8 +10,8 @@ use crate::lane::{Bits, Mask, Real, array};
 #[serde(rename_all = "lowercase")]
 pub enum SamplerKind {
     /// Owen-scrambled Sobol' points, padded in pairs of dimensions: the numbers of one purpose fill their range evenly over
-    /// the samples of a pixel, and so do the place in the pixel and the first vertex's point on a light, or direction,
-    /// together. Pixels are scrambled independently.
+    /// the samples of a pixel, and so do the place in the pixel and the first vertex's point on a light, or its
+    /// direction, together. Pixels are scrambled independently.
     Sobol,
     /// Independent numbers (xoshiro128++): the variance of a pixel's mean is s²/n.
     #[default]
@@ -136,17 +136,17 @@ impl<R: Real> Sampler<R> {
         let set = |k: u32| Self::set(bounce, k);
         // What no path draws stays 0.
         let mut u = [R::zero(); BOUNCE];
-        let [direction, position] = [set(0), set(1)].map(|set| PairSet::new(self.key(), set));
-        let mut order = [direction, position].map(|set| set.shuffle(self.0.s[0]));
+        let [position, direction] = [set(1), set(0)].map(|set| PairSet::new(self.key(), set));
+        let [mut of_position, mut of_direction] = [position, direction].map(|set| set.shuffle(self.0.s[0]));
         let first = bounce.eq(R::zero());
         if first.any() {
-            // Beside the pixel's pair. The two need not go together: a vertex adds what they find.
             let pixel = PairSet::new(self.key(), R::Bits::splat(PIXEL_SET));
-            let beside = sobol::beside::<R>(pixel.shuffle(self.0.s[0]));
-            order = order.map(|padded| R::Bits::select(first, beside, padded));
+            let [a, b] = sobol::beside::<R>(pixel.shuffle(self.0.s[0]));
+            of_position = R::Bits::select(first, a, of_position);
+            of_direction = R::Bits::select(first, b, of_direction);
         }
-        [u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]] = array::map(direction.pair(order[0]), to_unit);
-        [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]] = array::map(position.pair(order[1]), to_unit);
+        [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]] = array::map(position.pair(of_position), to_unit);
+        [u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]] = array::map(direction.pair(of_direction), to_unit);
         [u[LIGHT_CHOICE], u[BSDF_LOBE]] = self.pair(set(2));
         u[ROULETTE] = self.hashed(set(3));
         u[OPACITY] = self.hashed(set(OPACITY_SET));

@@ -85,19 +85,20 @@ impl<R: Real> PairSet<R> {
     }
 }
 
-/// The order of the indices for a second pair that goes well with the first: pairs of `shuffled` and of this are together
-/// low-discrepancy points of four dimensions, and each is a (0, k, 2)-net of its own, which no four dimensions of Sobol's are.
+/// Two more orders of the indices, for pairs that go well with the pair of `shuffled` and with each other: any two of the
+/// three pairs together are low-discrepancy points of four dimensions, and each is a (0, k, 2)-net of its own, which no four
+/// dimensions of Sobol's are.
 ///
 /// With C₀ the unit matrix and C₁ Pascal's, the generators of Sobol's first pair, and S the shift to the next lower digit,
-/// this is A = (I + S)·C₁·(I + S + S² + S⁶ + S⁸) over GF(2): then C₀, C₁, C₀A, C₁A generate a (t, k, 4)-net with
-/// Σ t = 24 over k = 2 … 12 and t ≤ 3. Found by trying 2¹⁶ such products; the least of any was 24
-/// (`tests/sampling/sobol.rs` has the t of each k).
+/// the orders are A = (I + S)·C₁·(I + S + S² + S⁶ + S⁸) and B = (I + S² + S⁵ + S⁶ + S⁷ + S⁸)·C₁·(I + S³ + S⁴ + S⁵ + S⁷) over
+/// GF(2): C₀, C₁, C₀A, C₁A generate a (t, k, 4)-net with Σ t = 24 over k = 2 … 12, and so do C₀, C₁, C₀B, C₁B. Found by trying
+/// 2¹⁶ such products; the least sum of any was 24 (`tests/sampling/sobol.rs` has the t of each k).
 #[inline(always)]
-pub fn beside<R: Real>(shuffled: R::Bits) -> R::Bits {
+pub fn beside<R: Real>(shuffled: R::Bits) -> [R::Bits; 2] {
     let x = shuffled;
-    let x = x ^ x.shr::<1>() ^ x.shr::<2>() ^ x.shr::<6>() ^ x.shr::<8>();
-    let x = pascal::<R>(x);
-    x ^ x.shr::<1>()
+    let a = pascal::<R>(x ^ x.shr::<1>() ^ x.shr::<2>() ^ x.shr::<6>() ^ x.shr::<8>());
+    let b = pascal::<R>(x ^ x.shr::<3>() ^ x.shr::<4>() ^ x.shr::<5>() ^ x.shr::<7>());
+    [a ^ a.shr::<1>(), b ^ b.shr::<2>() ^ b.shr::<5>() ^ b.shr::<6>() ^ b.shr::<7>() ^ b.shr::<8>()]
 }
 
 /// A number without structure for sample `index` and purpose `set`, a lane: a hash.

@@ -33,11 +33,11 @@ pub fn start<R: Real>(world: &World, paths: &LightPaths, job: &LightJob, next: u
     let u = rng.bounce_dims(world.sampler, R::zero());
     let position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
     let Some(lights) = &world.lights else { return idle(rng, slot) };
-    let (primitive, radiance) = lights.choose_emitter(u[LIGHT_CHOICE], position);
+    let (primitive, radiance, position) = lights.choose_emitter(position, u[LIGHT_CHOICE]);
     let (at, ng) = point(world, primitive, position, alive);
-    let mut light = LightSample { ng, radiance, primitive, ..LightSample::none() };
+    let mut light = LightSample { ng, radiance, primitive, u: position, ..LightSample::none() };
     if world.plan.patterned_lights {
-        pattern::look_up(world, &mut light, position, alive);
+        pattern::look_up(world, &mut light, alive);
     }
     let [_, row] = world.tags.fetch::<R>(primitive, alive);
     let density = paths.start_density(world, primitive, row, alive);
