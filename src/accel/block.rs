@@ -75,29 +75,51 @@ impl TriangleBlock {
         (edges, within & t.lt(E::splat(ray.t_max)), t)
     }
 
-    /// Triangle `i` against a packet: candidates and their final distances.
+    /// Calls `test` with each triangle in turn, its place, its vertices in the packet's [order](PacketRay::order) and as
+    /// they are, until it returns true.
+    ///
+    /// Two loops: a choice of order inside one would keep the vertices as scalars.
     #[inline(always)]
-    fn test_packet<R: Real>(
+    fn each_for_packet<R: Real>(
         &self,
         ray: &PacketRay<R>,
-        i: usize,
-        t_best: R,
-        active: R::Mask,
-    ) -> Option<(Edges<R>, R::Mask, R)> {
-        let turned = match ray.order {
-            Some(order) => self.splat(order, i),
-            None => {
-                let world = self.splat([0, 1, 2], i);
-                axes(|vertex| axes(|k| ray.pick(k, world[vertex])))
+        mut test: impl FnMut(u32, Vertices<R>, Vertices<R>) -> bool,
+    ) {
+        let ids = || self.id.iter().enumerate().take_while(|(_, id)| **id != MISS);
+        match ray.order {
+            Some(order) => {
+                for (i, id) in ids() {
+                    if test(*id, self.splat(order, i), self.splat([0, 1, 2], i)) {
+                        return;
+                    }
+                }
             }
-        };
-        let edges = pass_edges(&ray.setup.shear, turned, active)?;
-        let world = self.splat([0, 1, 2], i);
-        let (mask, t) = edges.distance(ray.setup, world[0], plane_normal(world), t_best)?;
-        let (lo, hi) = own_box(world);
-        let (t_near, t_far) = ray.setup.slab(lo, hi);
-        Some((edges, mask & t_near.le(t_far), t_near.max_or(t)))
+            None => {
+                for (i, id) in ids() {
+                    let world = self.splat([0, 1, 2], i);
+                    if test(*id, axes(|vertex| axes(|k| ray.pick(k, world[vertex]))), world) {
+                        return;
+                    }
+                }
+            }
+        }
     }
+}
+
+/// A triangle against a packet: candidates and their final distances.
+#[inline(always)]
+fn test_packet<R: Real>(
+    setup: &RaySetup<R>,
+    turned: Vertices<R>,
+    world: Vertices<R>,
+    t_best: R,
+    active: R::Mask,
+) -> Option<(Edges<R>, R::Mask, R)> {
+    let edges = pass_edges(&setup.shear, turned, active)?;
+    let (mask, t) = edges.distance(setup, world[0], plane_normal(world), t_best)?;
+    let (lo, hi) = own_box(world);
+    let (t_near, t_far) = setup.slab(lo, hi);
+    Some((edges, mask & t_near.le(t_far), t_near.max_or(t)))
 }
 
 /// Does (t, primitive) beat the best so far?
@@ -184,23 +206,22 @@ impl Block for TriangleBlock {
     }
     #[inline(always)]
     fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
-        for (i, id) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
-            if let Some(found) = self.test_packet(ray, i, hit.t, active) {
-                keep_triangle(found, *id, t_max, hit);
+        self.each_for_packet(ray, |id, turned, world| {
+            if let Some(found) = test_packet(ray.setup, turned, world, hit.t, active) {
+                keep_triangle(found, id, t_max, hit);
             }
-        }
+            false
+        });
     }
     #[inline(always)]
     fn any_packet<R: Real>(&self, ray: &PacketRay<R>, t_max: R, active: R::Mask) -> R::Mask {
         let mut open = active;
-        for (i, _) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
-            if let Some((_, mask, t)) = self.test_packet(ray, i, t_max, open) {
+        self.each_for_packet(ray, |_, turned, world| {
+            if let Some((_, mask, t)) = test_packet(ray.setup, turned, world, t_max, open) {
                 open = open & !(mask & t.lt(t_max));
-                if open.none() {
-                    break;
-                }
             }
-        }
+            open.none()
+        });
         active & !open
     }
 }

@@ -82,3 +82,13 @@ impl Lanes<MAX_WIDTH> {
         lanes
     }
 }
+
+/// The places of the bits that are set, from the lowest on.
+pub fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let place = bits.trailing_zeros() as usize;
+        let some = bits != 0;
+        bits &= bits.wrapping_sub(1);
+        some.then_some(place)
+    })
+}

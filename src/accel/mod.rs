@@ -11,6 +11,7 @@ mod built;
 mod collapse;
 mod corners;
 mod facets;
+mod flight;
 mod lanes;
 mod node;
 mod packet;
@@ -65,8 +66,7 @@ pub struct Single;
 /// The lanes' rays in flight together, each on its own way: what [`Single`] is for, faster from 8 lanes on.
 #[derive(Clone, Copy, Debug)]
 pub struct Stream;
-/// Any-hit rays as a [`Packet`] where all lanes start beside each other and go into the same octant, else as a
-/// [`Stream`].
+/// Any-hit rays as a [`Packet`] as far as lanes go together, from there as a [`Stream`].
 #[derive(Clone, Copy, Debug)]
 pub struct Shadow;
 /// All lanes together through the tree: for rays that go the same way.

@@ -97,13 +97,15 @@ impl Stack {
 }
 
 /// Walks the tree; `leaf` tests a block against the lanes that enter it, and returns the lanes still wanted with
-/// the distance up to which they are.
+/// the distance up to which they are. `left` is offered the lanes that enter a child; where it takes them, the packet
+/// goes no further there.
 #[inline(always)]
-fn walk<B: Block, R: Real>(
+pub fn walk<B: Block, R: Real>(
     tree: &Tree<B>,
     ray: &PacketRay<R>,
     active: R::Mask,
     t_max: R,
+    mut left: impl FnMut(Child, R::Mask) -> bool,
     mut leaf: impl FnMut(&B, R::Mask) -> (R::Mask, R),
 ) {
     if tree.root == Child::NONE || active.none() {
@@ -131,6 +133,9 @@ fn walk<B: Block, R: Real>(
             continue;
         }
         let child = Child(node.children[slot]);
+        if left(child, inside) {
+            continue;
+        }
         if child.is_leaf() {
             (active, t_best) = leaf(&tree.blocks[child.index()], inside);
             if active.none() {
@@ -165,14 +170,28 @@ impl Mode for Packet {
             return Single::closest(accel, setup, active, hit);
         }
         let (ray, t_max) = (PacketRay::new(setup, active), hit.t);
-        walk(&accel.triangle_tree, &ray, active, hit.t, |block, inside| {
-            block.closest_packet(&ray, inside, hit, t_max);
-            (active, hit.t)
-        });
-        walk(&accel.sphere_tree, &ray, active, hit.t, |block, inside| {
-            block.closest_packet(&ray, inside, hit, t_max);
-            (active, hit.t)
-        });
+        walk(
+            &accel.triangle_tree,
+            &ray,
+            active,
+            hit.t,
+            |_, _| false,
+            |block, inside| {
+                block.closest_packet(&ray, inside, hit, t_max);
+                (active, hit.t)
+            },
+        );
+        walk(
+            &accel.sphere_tree,
+            &ray,
+            active,
+            hit.t,
+            |_, _| false,
+            |block, inside| {
+                block.closest_packet(&ray, inside, hit, t_max);
+                (active, hit.t)
+            },
+        );
     }
 
     #[inline(always)]
@@ -181,14 +200,28 @@ impl Mode for Packet {
             return Single::any(accel, setup, t_max, active);
         }
         let (ray, mut open) = (PacketRay::new(setup, active), active);
-        walk(&accel.triangle_tree, &ray, active, t_max, |block, inside| {
-            open = open & !block.any_packet(&ray, t_max, inside & open);
-            (open, t_max)
-        });
-        walk(&accel.sphere_tree, &ray, open, t_max, |block, inside| {
-            open = open & !block.any_packet(&ray, t_max, inside & open);
-            (open, t_max)
-        });
+        walk(
+            &accel.triangle_tree,
+            &ray,
+            active,
+            t_max,
+            |_, _| false,
+            |block, inside| {
+                open = open & !block.any_packet(&ray, t_max, inside & open);
+                (open, t_max)
+            },
+        );
+        walk(
+            &accel.sphere_tree,
+            &ray,
+            open,
+            t_max,
+            |_, _| false,
+            |block, inside| {
+                open = open & !block.any_packet(&ray, t_max, inside & open);
+                (open, t_max)
+            },
+        );
         active & !open
     }
 }

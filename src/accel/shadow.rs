@@ -1,23 +1,125 @@
-//! Shadow rays: together while they go the same way, else each on its own.
+//! Shadow rays: together where they go the same way, each on its own from where they part.
 
-use super::{Accel, Mode, Packet, Shadow, Single, Stream};
+use super::flight::{FLIGHT, Flight, RAYS, board};
+use super::node::Child;
+use super::packet::walk;
+use super::stream::any_of;
+use super::tree::{Block, PacketRay, STACK, Tree};
+use super::{Accel, Mode, Shadow, Single, Stream};
 use crate::geometry::{Hit, Ray, RaySetup};
-use crate::lane::{Mask, Real};
+use crate::lane::{Mask, Real, axes};
 
-/// Rays that start within this of each other, per axis, count as neighbours.
-const NEIGHBOURS: f32 = 1.0 / 32.0;
+/// Where no more than one of this many lanes enters a child they leave the packet for it. Found by measuring.
+const FEW: usize = 4;
 
-/// Do the rays start beside each other and go into the same octant?
+/// A child still to visit, and the lanes that enter it.
+#[derive(Clone, Copy)]
+struct Entry {
+    child: Child,
+    lanes: u32,
+}
+
+/// [`packet::walk`](walk) for any hits of rays that do not go into the same octant: the children of a node are tested
+/// at once and without a branch, since what some lane of 16 meets is anybody's guess.
 #[inline(always)]
-fn coherent<R: Real>(setup: &RaySetup<R>, active: R::Mask) -> bool {
-    let all = active.bits();
-    let same_octant = (0..3).all(|k| {
-        let negative = (setup.negative[k] & active).bits();
-        negative == 0 || negative == all
-    });
-    let among = |value: R, other: f32| R::select(active, value, R::splat(other));
-    let spread = |o: R| among(o, f32::NEG_INFINITY).highest() - among(o, f32::INFINITY).lowest();
-    same_octant && setup.origin.iter().all(|&o| spread(o) <= NEIGHBOURS)
+fn walk_apart<B: Block, R: Real>(
+    tree: &Tree<B>,
+    ray: &PacketRay<R>,
+    active: R::Mask,
+    t_max: R,
+    mut left: impl FnMut(Child, R::Mask) -> bool,
+    mut leaf: impl FnMut(&B, R::Mask) -> R::Mask,
+) {
+    let mut stack = [Entry { child: tree.root, lanes: active.bits() }; STACK];
+    let (mut open, mut len) = (active.bits(), usize::from(tree.root != Child::NONE));
+    while let Some(last) = len.checked_sub(1) {
+        len = last;
+        let Entry { child, lanes } = stack[len];
+        let lanes = lanes & open;
+        if lanes == 0 || left(child, R::Mask::from_bits(lanes)) {
+            continue;
+        }
+        if child.is_leaf() {
+            open = leaf(&tree.blocks[child.index()], R::Mask::from_bits(lanes)).bits();
+            continue;
+        }
+        let node = &tree.nodes[child.index()];
+        let entries = &mut stack[len..len + 8];
+        let mut count = 0;
+        for slot in 0..8 {
+            let plane = |k: usize, upper: usize| R::splat(node.planes[2 * k + upper][slot]);
+            let (t_near, t_far) = ray.setup.slab(axes(|k| plane(k, 0)), axes(|k| plane(k, 1)));
+            let lanes = t_near.le_bits(t_far.min_or(t_max)) & lanes;
+            entries[count % 8] = Entry { child: Child(node.children[slot]), lanes };
+            count += usize::from(lanes != 0);
+        }
+        len += count;
+    }
+}
+
+/// Which rays of a packet, `first` … of the flight, hit anything of a tree: the packet goes as far as it holds together,
+/// and the rays finish what it left to them in flight with those of the other packets. Those are added to `given`.
+#[inline(always)]
+fn together<B: Block, R: Real>(
+    tree: &Tree<B>,
+    flight: &mut Flight,
+    first: usize,
+    setup: &RaySetup<R>,
+    t_max: R,
+    active: R::Mask,
+    given: &mut u64,
+) -> R::Mask {
+    let ray = PacketRay::new(setup, active);
+    let mut open = active;
+    let mut boarded = false;
+    let leave = |child: Child, lanes: R::Mask| {
+        let bits = lanes.bits();
+        if bits.count_ones() as usize * FEW > R::WIDTH {
+            return false;
+        }
+        if !boarded {
+            flight.board(first, setup, t_max);
+            boarded = true;
+        }
+        *given |= u64::from(bits) << first;
+        flight.give(first, bits, child)
+    };
+    let leaf = |block: &B, inside: R::Mask| {
+        open = open & !block.any_packet(&ray, t_max, inside & open);
+        open
+    };
+    if ray.negative.is_some() {
+        let mut leaf = leaf;
+        walk(tree, &ray, active, t_max, leave, |block, inside| (leaf(block, inside), t_max));
+    } else {
+        walk_apart(tree, &ray, active, t_max, leave, leaf);
+    }
+    active & !open
+}
+
+/// At most [`RAYS`] rays.
+#[inline(never)]
+fn any<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
+    FLIGHT.with_borrow_mut(|flight| {
+        let (mut all, mut hidden, mut given) = (0u64, 0u64, 0u64);
+        let lanes =
+            |k: usize, bits: u64| R::Mask::from_bits((bits >> (k * R::WIDTH)) as u32 & (u32::MAX >> (32 - R::WIDTH)));
+        for (k, (ray, active)) in rays.iter().zip(active).enumerate() {
+            let (setup, first) = (RaySetup::new(ray), k * R::WIDTH);
+            let usable = *active & ray.usable();
+            all |= u64::from(usable.bits()) << first;
+            let hit = together(&accel.triangle_tree, flight, first, &setup, ray.t_max, usable, &mut given);
+            hidden |= u64::from(hit.bits()) << first;
+        }
+        hidden |= any_of::<_, R>(&accel.triangle_tree, flight, given & !hidden, true);
+        if accel.sphere_tree.root != Child::NONE {
+            board(flight, rays, active);
+            hidden |= any_of::<_, R>(&accel.sphere_tree, flight, all & !hidden, false);
+        }
+        for (k, found) in found.iter_mut().enumerate() {
+            *found = lanes(k, hidden);
+        }
+    })
 }
 
 impl Mode for Shadow {
@@ -30,45 +132,19 @@ impl Mode for Shadow {
 
     #[inline(always)]
     fn any<R: Real>(accel: &Accel, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask {
-        if coherent(setup, active) {
-            Packet::any(accel, setup, t_max, active)
-        } else {
-            Stream::any(accel, setup, t_max, active)
-        }
+        let mut found = active;
+        Self::any_many(accel, &[setup.ray(t_max)], &[active], core::slice::from_mut(&mut found));
+        found
     }
 
-    /// Packets whose lanes have parted go together.
     #[inline(always)]
     fn any_many<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
         if R::WIDTH == 1 {
             return Single::any_many(accel, rays, active, found);
         }
-        for at in (0..rays.len()).step_by(TOGETHER) {
-            let end = rays.len().min(at + TOGETHER);
-            shadow_packets(accel, &rays[at..end], &active[at..end], &mut found[at..end]);
+        let packets = RAYS / R::WIDTH;
+        for ((rays, active), found) in rays.chunks(packets).zip(active.chunks(packets)).zip(found.chunks_mut(packets)) {
+            any(accel, rays, active, found);
         }
-    }
-}
-
-/// Packets of shadow rays looked at together.
-const TOGETHER: usize = 8;
-
-#[inline(always)]
-fn shadow_packets<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
-    let mut parted = ([rays[0]; TOGETHER], [R::Mask::splat(false); TOGETHER], [0; TOGETHER]);
-    let mut count = 0;
-    for (k, (ray, active)) in rays.iter().zip(active).enumerate() {
-        let (setup, usable) = (RaySetup::new(ray), *active & ray.usable());
-        if coherent(&setup, usable) {
-            found[k] = Packet::any(accel, &setup, ray.t_max, usable);
-        } else {
-            (parted.0[count], parted.1[count], parted.2[count]) = (*ray, *active, k);
-            count += 1;
-        }
-    }
-    let mut hidden = [R::Mask::splat(false); TOGETHER];
-    Stream::any_many(accel, &parted.0[..count], &parted.1[..count], &mut hidden[..count]);
-    for (k, hidden) in parted.2.iter().zip(hidden).take(count) {
-        found[*k] = hidden;
     }
 }

@@ -5,46 +5,14 @@
 //! between some triangle's edges, looking for its next child) and a step moves it to another by arithmetic instead of a
 //! branch, so that the steps of different rays overlap, and what a ray needs next is fetched while the others move.
 
+use super::flight::{FLIGHT, FLOOR, Flight, RAYS, Stacks, board};
 use super::lanes::Lanes;
 use super::node::{Child, Node};
-use super::tree::{Block, OneHit, OneRay, STACK, Tree};
+use super::tree::{Block, OneHit, OneRay, Tree};
 use super::{Accel, Mode, Single, Stream};
 use crate::geometry::{Hit, MISS, Ray, RaySetup};
 use crate::lane::{Bits, Mask, Real};
 use core::hint::select_unpredictable;
-use std::cell::RefCell;
-
-/// Rays in flight at most.
-pub const RAYS: usize = 64;
-
-/// Places below every stack whose entries are always open and lead nowhere, so that there is always one to take.
-const FLOOR: usize = 8;
-
-/// Children still to visit, for each ray.
-struct Stacks {
-    t_near: [[f32; FLOOR + STACK]; RAYS],
-    child: [[u32; FLOOR + STACK]; RAYS],
-}
-
-/// The rays in flight.
-struct Flight {
-    lanes: Lanes<RAYS>,
-    best: [OneHit; RAYS],
-    stacks: Stacks,
-}
-
-const NO_HIT: OneHit = OneHit { t: 0.0, primitive: 0, u: 0.0, v: 0.0 };
-
-thread_local! {
-    // Too large to clear for every packet, and what a walk leaves behind is never read.
-    static FLIGHT: RefCell<Flight> = const {
-        RefCell::new(Flight {
-            lanes: Lanes::ZERO,
-            best: [NO_HIT; RAYS],
-            stacks: Stacks { t_near: [[0.0; FLOOR + STACK]; RAYS], child: [[0; FLOOR + STACK]; RAYS] },
-        })
-    };
-}
 
 /// Rays by what they need next: a node tested, a block tested, a child found.
 struct Lists {
@@ -75,8 +43,8 @@ fn at(list: &[u8; RAYS], k: usize) -> usize {
 struct Walk<'a, B> {
     tree: &'a Tree<B>,
     stacks: &'a mut Stacks,
-    /// First free place of each ray's stack.
-    top: [u32; RAYS],
+    /// [`Flight::top`].
+    top: &'a mut [u32; RAYS],
     child: [Child; RAYS],
     lists: Lists,
 }
@@ -121,27 +89,27 @@ impl<B: Block> Walk<'_, B> {
     }
 }
 
-/// Walks the rays of `bits`. `leaf` tests one against a block that [may be hit](Block::may_hit) and says whether the
-/// ray wants more.
+/// Walks the rays of `bits` from the root on, or what they were [given](Flight::give). `leaf` tests one against a block
+/// that [may be hit](Block::may_hit) and says whether the ray wants more.
 #[inline(always)]
-fn walk<B: Block, R: Real>(
+pub fn walk<B: Block, R: Real>(
     tree: &Tree<B>,
     flight: &mut Flight,
     bits: u64,
+    given: bool,
     leaf: impl Fn(&B, &OneRay<R::Eight>, &mut OneHit) -> bool,
 ) {
     if tree.root == Child::NONE {
         return;
     }
-    let Flight { lanes, best, stacks } = flight;
+    let Flight { lanes, best, stacks, top } = flight;
     let lists = Lists { nodes: [0; RAYS], blocks: [0; RAYS], pops: [0; RAYS] };
-    let mut walk = Walk { tree, stacks, top: [FLOOR as u32; RAYS], child: [tree.root; RAYS], lists };
+    let mut walk = Walk { tree, stacks, top, child: [tree.root; RAYS], lists };
     let mut lens = Lens::default();
     for i in (0..RAYS).filter(|i| bits >> i & 1 != 0) {
-        walk.stacks.t_near[i][..FLOOR].fill(f32::NEG_INFINITY);
-        walk.stacks.child[i][..FLOOR].fill(Child::NONE.0);
-        push_if(&mut walk.lists.nodes, &mut lens.nodes, i, !tree.root.is_leaf());
-        push_if(&mut walk.lists.blocks, &mut lens.blocks, i, tree.root.is_leaf());
+        push_if(&mut walk.lists.pops, &mut lens.pops, i, given);
+        push_if(&mut walk.lists.nodes, &mut lens.nodes, i, !given & !tree.root.is_leaf());
+        push_if(&mut walk.lists.blocks, &mut lens.blocks, i, !given & tree.root.is_leaf());
     }
     let mut candidates = [0u8; RAYS];
     while lens.nodes + lens.blocks + lens.pops > 0 {
@@ -168,34 +136,22 @@ fn walk<B: Block, R: Real>(
     }
 }
 
-/// Lays out packets from `first` on; their live lanes as bits.
-#[inline(always)]
-fn board<R: Real>(flight: &mut Flight, rays: &[Ray<R>], active: &[R::Mask]) -> u64 {
-    let mut bits = 0;
-    for (k, (ray, active)) in rays.iter().zip(active).enumerate() {
-        let first = k * R::WIDTH;
-        flight.lanes.set(first, &RaySetup::new(ray), ray.t_max);
-        bits |= u64::from((*active & ray.usable()).bits()) << first;
-    }
-    for (best, t) in flight.best.iter_mut().zip(flight.lanes.t_max).take(rays.len() * R::WIDTH) {
-        *best = OneHit { t, primitive: MISS, u: 0.0, v: 0.0 };
-    }
-    bits
-}
-
 /// The closest hits of at most [`RAYS`] rays.
 #[inline(never)]
 fn closest<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &mut [Hit<R>]) {
     FLIGHT.with_borrow_mut(|flight| {
         let bits = board(flight, rays, active);
-        walk::<_, R>(&accel.triangle_tree, flight, bits, |block, ray, best| {
+        walk::<_, R>(&accel.triangle_tree, flight, bits, false, |block, ray, best| {
             block.closest_one(ray, best);
             true
         });
-        walk::<_, R>(&accel.sphere_tree, flight, bits, |block, ray, best| {
-            block.closest_one(ray, best);
-            true
-        });
+        if accel.sphere_tree.root != Child::NONE {
+            flight.empty_stacks(0, rays.len() * R::WIDTH);
+            walk::<_, R>(&accel.sphere_tree, flight, bits, false, |block, ray, best| {
+                block.closest_one(ray, best);
+                true
+            });
+        }
         for (hit, best) in hits.iter_mut().zip(flight.best.chunks_exact(R::WIDTH)) {
             *hit = Hit {
                 t: R::from_fn(|i| best[i].t),
@@ -207,27 +163,28 @@ fn closest<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &m
     })
 }
 
+/// Which rays of `bits` hit anything of a tree; those that do not are left.
+#[inline(always)]
+pub fn any_of<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: u64, given: bool) -> u64 {
+    walk::<B, R>(tree, flight, bits, given, |block, ray, best| {
+        let hit = block.any_one(ray, ray.t_max);
+        best.primitive = select_unpredictable(hit, 0, MISS);
+        !hit
+    });
+    let hit = |i: &usize| bits >> i & 1 != 0 && flight.best[*i].primitive != MISS;
+    (0..RAYS).filter(hit).fold(0u64, |bits, i| bits | 1 << i)
+}
+
 /// Which of at most [`RAYS`] rays hit anything.
 #[inline(never)]
 fn any<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
     FLIGHT.with_borrow_mut(|flight| {
         let bits = board(flight, rays, active);
-        walk::<_, R>(&accel.triangle_tree, flight, bits, |block, ray, best| {
-            let hit = block.any_one(ray, ray.t_max);
-            best.primitive = select_unpredictable(hit, 0, MISS);
-            !hit
-        });
-        let hits = |flight: &Flight| {
-            let hit = |i: &usize| bits >> i & 1 != 0 && flight.best[*i].primitive != MISS;
-            (0..RAYS).filter(hit).fold(0u64, |bits, i| bits | 1 << i)
-        };
-        let open = bits & !hits(flight);
-        walk::<_, R>(&accel.sphere_tree, flight, open, |block, ray, best| {
-            let hit = block.any_one(ray, ray.t_max);
-            best.primitive = select_unpredictable(hit, 0, MISS);
-            !hit
-        });
-        let all = hits(flight);
+        let mut all = any_of::<_, R>(&accel.triangle_tree, flight, bits, false);
+        if accel.sphere_tree.root != Child::NONE {
+            flight.empty_stacks(0, rays.len() * R::WIDTH);
+            all |= any_of::<_, R>(&accel.sphere_tree, flight, bits & !all, false);
+        }
         for (k, found) in found.iter_mut().enumerate() {
             *found = R::Mask::from_bits((all >> (k * R::WIDTH)) as u32 & (u32::MAX >> (32 - R::WIDTH)));
         }
