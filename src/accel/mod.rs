@@ -12,6 +12,7 @@ mod collapse;
 mod corners;
 mod facets;
 mod flight;
+mod interval;
 mod lanes;
 mod node;
 mod packet;

@@ -1,64 +1,12 @@
 //! All lanes together through the tree.
 
+use super::interval::Interval;
 use super::node::{Child, Node};
 use super::tree::{Block, PacketRay, STACK, Tree};
 use super::{Accel, Mode, Packet, Single};
-use crate::geometry::slab::{FAR_PAD, slab};
+use crate::geometry::slab::slab;
 use crate::geometry::{Hit, RaySetup};
 use crate::lane::{Bits, Mask, Real, axes};
-
-/// Bounds of what the rays of a packet do, for testing eight boxes against all of them at once.
-///
-/// Every lane's distance to a plane is fl(fl(plane − o)·inverse) with o and inverse between the bounds here; rounding is
-/// monotone, so the extremes over the four corners bound it as computed: a child this drops no lane enters.
-struct Interval<E: Real> {
-    /// The origin bound that makes planes near early and planes far late.
-    near_origin: [E; 3],
-    far_origin: [E; 3],
-    lowest: [E; 3],
-    highest: [E; 3],
-    /// 1 where the directions are negative.
-    negative: [usize; 3],
-}
-
-impl<E: Real> Interval<E> {
-    /// `None` where the lanes' signs differ or a component of a direction is so small that its inverse is infinite.
-    #[inline(always)]
-    fn new<R: Real>(ray: &PacketRay<R>, active: R::Mask) -> Option<Self> {
-        let negative = ray.negative?;
-        let infinity = R::splat(f32::INFINITY);
-        let lowest = axes(|k| R::select(active, ray.setup.inverse[k], infinity).lowest());
-        let highest = axes(|k| R::select(active, ray.setup.inverse[k], -infinity).highest());
-        if lowest.iter().chain(&highest).any(|x| !x.is_finite()) {
-            return None;
-        }
-        let o_lowest = axes(|k| R::select(active, ray.setup.origin[k], infinity).lowest());
-        let o_highest = axes(|k| R::select(active, ray.setup.origin[k], -infinity).highest());
-        Some(Self {
-            near_origin: axes(|k| E::splat(if negative[k] != 0 { o_lowest[k] } else { o_highest[k] })),
-            far_origin: axes(|k| E::splat(if negative[k] != 0 { o_highest[k] } else { o_lowest[k] })),
-            lowest: axes(|k| E::splat(lowest[k])),
-            highest: axes(|k| E::splat(highest[k])),
-            negative,
-        })
-    }
-
-    /// Slots of the children that some lane may enter before `t_best`, as bits in the node's own order.
-    #[inline(always)]
-    fn children(&self, node: &Node, t_best: f32) -> (u32, E::Bits) {
-        let octant = self.negative[0] | self.negative[1] << 1 | self.negative[2] << 2;
-        let (mut t_near, mut t_far) = (E::zero(), E::splat(f32::INFINITY));
-        for k in 0..3 {
-            let near = E::load(&node.planes[2 * k + self.negative[k]]) - self.near_origin[k];
-            let far = E::load(&node.planes[2 * k + 1 - self.negative[k]]) - self.far_origin[k];
-            t_near = (near * self.lowest[k]).min_or(near * self.highest[k]).max_or(t_near);
-            t_far = (far * self.lowest[k]).max_or(far * self.highest[k]).min_or(t_far);
-        }
-        let t_far = (t_far * E::splat(FAR_PAD)).min_or(E::splat(t_best));
-        let order = E::Bits::unpack_octal(node.order[octant]);
-        (t_near.permute(order).le(t_far.permute(order)).bits(), order)
-    }
-}
 
 /// Slots still to visit: node·8 + slot.
 struct Stack {
@@ -115,7 +63,7 @@ pub fn walk<B: Block, R: Real>(
         leaf(&tree.blocks[tree.root.index()], active);
         return;
     }
-    let interval = Interval::<R::Eight>::new(ray, active);
+    let interval = Interval::<R::Eight>::new(ray.setup, ray.negative, active);
     let first = active.bits().trailing_zeros() as usize % R::WIDTH;
     let octant = (0..3).map(|k| usize::from(ray.setup.negative[k].lane(first)) << k).sum();
     let farthest = |active: R::Mask, t: R| R::select(active, t, R::zero()).highest();

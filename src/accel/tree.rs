@@ -73,11 +73,10 @@ impl<'a, R: Real> PacketRay<'a, R> {
             bits == 0 || bits == all
         };
         let ordered = (0..2).all(|k| common(is_axis[k][0]) && common(is_axis[k][1]));
-        let signed = (0..3).all(|k| common(setup.negative[k]));
         Self {
             setup,
             order: ordered.then(|| axes(|k| setup.order[k].lane(first) as usize % 3)),
-            negative: signed.then(|| axes(|k| usize::from(setup.negative[k].lane(first)))),
+            negative: common_octant(setup, active),
             is_axis,
         }
     }
@@ -87,6 +86,14 @@ impl<'a, R: Real> PacketRay<'a, R> {
         let [is_y, is_z] = self.is_axis[k];
         R::select(is_z, p[2], R::select(is_y, p[1], p[0]))
     }
+}
+
+/// [`PacketRay::negative`].
+#[inline(always)]
+pub fn common_octant<R: Real>(setup: &RaySetup<R>, active: R::Mask) -> Option<[usize; 3]> {
+    let all = active.bits();
+    let negative = axes(|k| (setup.negative[k] & active).bits());
+    negative.iter().all(|&bits| bits == 0 || bits == all).then(|| axes(|k| usize::from(negative[k] != 0)))
 }
 
 /// The best hit so far of one ray.

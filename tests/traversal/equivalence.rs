@@ -52,6 +52,31 @@ fn modes_widths_and_trees_agree() {
     }
 }
 
+/// Bundles through a thicket of slivers, which they pass the boxes of and seldom hit: a lane leaves its packet for more
+/// children than it can keep, and the packet takes the rest with it.
+#[test]
+fn rays_that_pass_many_boxes() {
+    let mut rng = Random::new(23);
+    let mut shapes = Shapes::default();
+    for i in 0..30_000 {
+        let (a, d) = (rng.point(1.2), rng.point(0.2));
+        let b = [0, 1, 2].map(|k| a[k] + d[k]);
+        let width = if i % 50 == 0 { 1e-2 } else { 1e-6 };
+        shapes.push([a, b, b.map(|x| x + width * rng.signed())]);
+    }
+    let accel = shapes.everything(Preset::Medium);
+    let mut rays = Vec::new();
+    for _ in 0..24 {
+        let (o, target) = (rng.point(1.9), rng.point(1.0));
+        for _ in 0..16 {
+            let d = [0, 1, 2].map(|k| target[k] - o[k] + 0.08 * rng.signed());
+            rays.push(OneRay { o, d, t_max: f32::INFINITY });
+        }
+    }
+    let hits = ask_all(&[&accel], &rays).iter().filter(|(hit, _)| hit.1 != MISS).count();
+    assert!(hits > 20 && hits < rays.len() - 20, "{hits} of {} hit: the test would see little", rays.len());
+}
+
 /// A ray's answer does not depend on its lane, nor on what the other lanes hold.
 #[test]
 fn lanes_may_be_permuted() {

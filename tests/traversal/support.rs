@@ -1,7 +1,7 @@
 //! Random scenes and rays, and one way to ask every mode at every width.
 
-use octolux::accel::{Accel, Brute, BuildOptions, Mode, Packet, Preset, Single, Stream};
-use octolux::geometry::{MISS, Ray};
+use octolux::accel::{Accel, Brute, BuildOptions, Mode, Packet, Preset, Shadow, Single, Stream};
+use octolux::geometry::{Hit, MISS, Ray};
 use octolux::lane::{Bits, Mask, Real, Vec3, f32x8, f32x16};
 use rand_xoshiro::Xoshiro128PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
@@ -101,6 +101,29 @@ pub fn ask<R: Real, M: Mode>(accel: &Accel, rays: &[OneRay], live: impl Fn(usize
     out
 }
 
+/// [`ask`] of all packets at once, as the path kernel does.
+pub fn ask_many<R: Real, M: Mode>(accel: &Accel, rays: &[OneRay]) -> Vec<(Found, bool)> {
+    let lanes = R::WIDTH;
+    let at = |k: usize| rays[k.min(rays.len() - 1)];
+    let starts = || (0..rays.len()).step_by(lanes);
+    let packet = |first: usize| {
+        let ray = |i: usize| at(first + i);
+        Ray::<R>::new(Vec3::from_fn(|i| ray(i).o), Vec3::from_fn(|i| ray(i).d), R::from_fn(|i| ray(i).t_max))
+    };
+    let live = |first: usize| R::Mask::from_bits((0..lanes).fold(0, |b, i| b | u32::from(first + i < rays.len()) << i));
+    let (packets, active): (Vec<_>, Vec<_>) = starts().map(|first| (packet(first), live(first))).unzip();
+    let mut hits = vec![Hit::<R>::miss(R::zero()); packets.len()];
+    let mut found = vec![R::Mask::splat(false); packets.len()];
+    accel.trace_many::<R, M>(&packets, &active, &mut hits);
+    accel.occluded_many::<R, M>(&packets, &active, &mut found);
+    let one = |k: usize| {
+        let (hit, lane) = (&hits[k / lanes], k % lanes);
+        let bits = |x: R| x.lane(lane).to_bits();
+        ((bits(hit.t), hit.primitive.lane(lane), bits(hit.u), bits(hit.v)), found[k / lanes].lane(lane))
+    };
+    (0..rays.len()).map(one).collect()
+}
+
 /// Asks every mode at every width and asserts that all agree with brute force at width 1, which is returned.
 pub fn ask_all(accels: &[&Accel], rays: &[OneRay]) -> Vec<(Found, bool)> {
     let reference = ask::<f32, Brute>(accels[0], rays, |_| true);
@@ -121,6 +144,14 @@ pub fn ask_all(accels: &[&Accel], rays: &[OneRay]) -> Vec<(Found, bool)> {
         same(&format!("tree {k} packet 1"), ask::<f32, Packet>(accel, rays, |_| true));
         same(&format!("tree {k} packet 8"), ask::<f32x8, Packet>(accel, rays, |_| true));
         same(&format!("tree {k} packet 16"), ask::<f32x16, Packet>(accel, rays, |_| true));
+        same(&format!("tree {k} shadow 1"), ask::<f32, Shadow>(accel, rays, |_| true));
+        same(&format!("tree {k} shadow 8"), ask::<f32x8, Shadow>(accel, rays, |_| true));
+        same(&format!("tree {k} shadow 16"), ask::<f32x16, Shadow>(accel, rays, |_| true));
+        same(&format!("tree {k} streams 8"), ask_many::<f32x8, Stream>(accel, rays));
+        same(&format!("tree {k} streams 16"), ask_many::<f32x16, Stream>(accel, rays));
+        same(&format!("tree {k} shadows 1"), ask_many::<f32, Shadow>(accel, rays));
+        same(&format!("tree {k} shadows 8"), ask_many::<f32x8, Shadow>(accel, rays));
+        same(&format!("tree {k} shadows 16"), ask_many::<f32x16, Shadow>(accel, rays));
     }
     for (i, ((hit, any), ray)) in reference.iter().zip(rays).enumerate() {
         assert_eq!(hit.1 != MISS, *any, "closest and any hit disagree on ray {i} {ray:?}");

@@ -1,0 +1,73 @@
+//! Many rays as one, with bounds instead of numbers.
+
+use super::node::Node;
+use crate::geometry::RaySetup;
+use crate::geometry::slab::FAR_PAD;
+use crate::lane::{Bits, Real, axes};
+
+/// Bounds of what the rays of a packet do, for testing eight boxes against all of them at once.
+///
+/// Every lane's distance to a plane is fl(fl(plane − o)·inverse) with o and inverse between the bounds here; rounding is
+/// monotone, so the extremes over the four corners bound it as computed: a child this drops no lane enters.
+pub struct Interval<E: Real> {
+    /// The origin bound that makes planes near early and planes far late.
+    near_origin: [E; 3],
+    far_origin: [E; 3],
+    lowest: [E; 3],
+    highest: [E; 3],
+    /// 1 where the directions are negative.
+    negative: [usize; 3],
+}
+
+impl<E: Real> Interval<E> {
+    /// `None` where the lanes' signs differ or a component of a direction is so small that its inverse is infinite.
+    #[inline(always)]
+    pub fn new<R: Real>(setup: &RaySetup<R>, negative: Option<[usize; 3]>, active: R::Mask) -> Option<Self> {
+        let negative = negative?;
+        let infinity = R::splat(f32::INFINITY);
+        let lowest = axes(|k| R::select(active, setup.inverse[k], infinity).lowest());
+        let highest = axes(|k| R::select(active, setup.inverse[k], -infinity).highest());
+        if lowest.iter().chain(&highest).any(|x| !x.is_finite()) {
+            return None;
+        }
+        let o_lowest = axes(|k| R::select(active, setup.origin[k], infinity).lowest());
+        let o_highest = axes(|k| R::select(active, setup.origin[k], -infinity).highest());
+        Some(Self {
+            near_origin: axes(|k| E::splat(if negative[k] != 0 { o_lowest[k] } else { o_highest[k] })),
+            far_origin: axes(|k| E::splat(if negative[k] != 0 { o_highest[k] } else { o_lowest[k] })),
+            lowest: axes(|k| E::splat(lowest[k])),
+            highest: axes(|k| E::splat(highest[k])),
+            negative,
+        })
+    }
+
+    /// Where the first lane may enter eight boxes, and the last leave them: a lane enters only those where the first is
+    /// not greater. See [`Node::planes`].
+    #[inline(always)]
+    fn slab(&self, planes: &[[f32; 8]; 6], t_best: f32) -> (E, E) {
+        let (mut t_near, mut t_far) = (E::zero(), E::splat(f32::INFINITY));
+        for k in 0..3 {
+            let near = E::load(&planes[2 * k + self.negative[k]]) - self.near_origin[k];
+            let far = E::load(&planes[2 * k + 1 - self.negative[k]]) - self.far_origin[k];
+            t_near = (near * self.lowest[k]).min_or(near * self.highest[k]).max_or(t_near);
+            t_far = (far * self.lowest[k]).max_or(far * self.highest[k]).min_or(t_far);
+        }
+        (t_near, (t_far * E::splat(FAR_PAD)).min_or(E::splat(t_best)))
+    }
+
+    /// Of eight boxes those that some lane may enter before `t_best`, as bits.
+    #[inline(always)]
+    pub fn entered(&self, planes: &[[f32; 8]; 6], t_best: f32) -> u32 {
+        let (t_near, t_far) = self.slab(planes, t_best);
+        t_near.le_bits(t_far)
+    }
+
+    /// Children that some lane may enter before `t_best`, as bits in the octant's order, and that order.
+    #[inline(always)]
+    pub fn children(&self, node: &Node, t_best: f32) -> (u32, E::Bits) {
+        let octant = self.negative[0] | self.negative[1] << 1 | self.negative[2] << 2;
+        let (t_near, t_far) = self.slab(&node.planes, t_best);
+        let order = E::Bits::unpack_octal(node.order[octant]);
+        (t_near.permute(order).le_bits(t_far.permute(order)), order)
+    }
+}
