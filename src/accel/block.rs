@@ -1,10 +1,12 @@
 //! Leaves: eight triangles or spheres side by side.
 
+use super::interval::Interval;
+use super::lanes::ones;
 use super::tree::{Block, OneHit, OneRay, PacketRay};
 use crate::geometry::plane_normal;
 use crate::geometry::slab::{own_hi, own_lo, slab, sphere_hi, sphere_lo};
 use crate::geometry::{Edges, Hit, MISS, RaySetup, Vertices, edges, intersect_sphere, largest, own_box, pass_edges};
-use crate::lane::{Bits, Mask, Real, axes};
+use crate::lane::{Bits, Mask, Real, axes, u32x8};
 use core::hint::select_unpredictable;
 
 /// Eight triangles: coordinates by vertex and axis, so that a single ray's choice of axes is a choice of arrays.
@@ -75,7 +77,7 @@ impl TriangleBlock {
         (edges, within & t.lt(E::splat(ray.t_max)), t)
     }
 
-    /// Calls `test` with each triangle in turn, its place, its vertices in the packet's [order](PacketRay::order) and as
+    /// Calls `test` with each triangle of `places` in turn, its number, its vertices in the packet's [order](PacketRay::order) and as
     /// they are, until it returns true.
     ///
     /// Two loops: a choice of order inside one would keep the vertices as scalars.
@@ -83,13 +85,14 @@ impl TriangleBlock {
     fn each_for_packet<R: Real>(
         &self,
         ray: &PacketRay<R>,
+        places: u32,
         mut test: impl FnMut(u32, Vertices<R>, Vertices<R>) -> bool,
     ) {
-        let ids = || self.id.iter().enumerate().take_while(|(_, id)| **id != MISS);
+        let ids = || ones(places).map(|i| (i % 8, self.id[i % 8]));
         match ray.order {
             Some(order) => {
                 for (i, id) in ids() {
-                    if test(*id, self.splat(order, i), self.splat([0, 1, 2], i)) {
+                    if test(id, self.splat(order, i), self.splat([0, 1, 2], i)) {
                         return;
                     }
                 }
@@ -97,7 +100,7 @@ impl TriangleBlock {
             None => {
                 for (i, id) in ids() {
                     let world = self.splat([0, 1, 2], i);
-                    if test(*id, axes(|vertex| axes(|k| ray.pick(k, world[vertex]))), world) {
+                    if test(id, axes(|vertex| axes(|k| ray.pick(k, world[vertex]))), world) {
                         return;
                     }
                 }
@@ -182,7 +185,24 @@ fn keep_one<E: Real>(mask: E::Mask, t: E, ids: &[u32; 8], first: usize, best: &m
     (lane, wins)
 }
 
+/// Places that are not empty, as bits.
+#[inline(always)]
+fn filled(id: &[u32; 8]) -> u32 {
+    let empty = <u32x8 as Bits>::load(id).eq(<u32x8 as Bits>::splat(MISS));
+    !empty.bits() & 0xff
+}
+
 impl Block for TriangleBlock {
+    #[inline(always)]
+    fn places<E: Real>(&self, interval: Option<&Interval<E>>, t_best: f32) -> u32 {
+        let filled = filled(&self.id);
+        let Some(interval) = interval.filter(|_| E::WIDTH == 8) else { return filled };
+        let v: Vertices<E> = self.load([0, 1, 2], 0);
+        let lo = axes(|k| own_lo(v[0][k], v[1][k], v[2][k]));
+        let hi = axes(|k| own_hi(v[0][k], v[1][k], v[2][k]));
+        let (t_near, t_far) = interval.slab(lo, hi, t_best);
+        t_near.le_bits(t_far) & filled
+    }
     #[inline(always)]
     fn may_hit<E: Real>(&self, ray: &OneRay<E>) -> bool {
         (0..8).step_by(E::WIDTH).any(|i| self.edges_one(ray, i).inside.any())
@@ -205,8 +225,8 @@ impl Block for TriangleBlock {
         (0..8).step_by(E::WIDTH).any(|i| self.test_one(ray, i, t_max).1.any())
     }
     #[inline(always)]
-    fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
-        self.each_for_packet(ray, |id, turned, world| {
+    fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
+        self.each_for_packet(ray, places, |id, turned, world| {
             if let Some(found) = test_packet(ray.setup, turned, world, hit.t, active) {
                 keep_triangle(found, id, t_max, hit);
             }
@@ -214,9 +234,9 @@ impl Block for TriangleBlock {
         });
     }
     #[inline(always)]
-    fn any_packet<R: Real>(&self, ray: &PacketRay<R>, t_max: R, active: R::Mask) -> R::Mask {
+    fn any_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, t_max: R, active: R::Mask) -> R::Mask {
         let mut open = active;
-        self.each_for_packet(ray, |_, turned, world| {
+        self.each_for_packet(ray, places, |_, turned, world| {
             if let Some((_, mask, t)) = test_packet(ray.setup, turned, world, t_max, open) {
                 open = open & !(mask & t.lt(t_max));
             }
@@ -256,6 +276,10 @@ impl SphereBlock {
 
 impl Block for SphereBlock {
     #[inline(always)]
+    fn places<E: Real>(&self, _: Option<&Interval<E>>, _: f32) -> u32 {
+        filled(&self.id)
+    }
+    #[inline(always)]
     fn may_hit<E: Real>(&self, _: &OneRay<E>) -> bool {
         true
     }
@@ -273,18 +297,18 @@ impl Block for SphereBlock {
         (0..8).step_by(E::WIDTH).any(|i| self.test_one(ray, i, t_max).is_some_and(|(mask, _)| mask.any()))
     }
     #[inline(always)]
-    fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
-        for (i, id) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
-            if let Some((mask, t)) = self.test_packet(ray, i, hit.t, active) {
-                keep_sphere(mask, t, *id, t_max, hit);
+    fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
+        for i in ones(places) {
+            if let Some((mask, t)) = self.test_packet(ray, i % 8, hit.t, active) {
+                keep_sphere(mask, t, self.id[i % 8], t_max, hit);
             }
         }
     }
     #[inline(always)]
-    fn any_packet<R: Real>(&self, ray: &PacketRay<R>, t_max: R, active: R::Mask) -> R::Mask {
+    fn any_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, t_max: R, active: R::Mask) -> R::Mask {
         let mut open = active;
-        for (i, _) in self.id.iter().enumerate().take_while(|(_, id)| **id != MISS) {
-            if let Some((mask, t)) = self.test_packet(ray, i, t_max, open) {
+        for i in ones(places) {
+            if let Some((mask, t)) = self.test_packet(ray, i % 8, t_max, open) {
                 open = open & !(mask & t.lt(t_max));
             }
         }

@@ -41,14 +41,26 @@ impl<E: Real> Interval<E> {
         })
     }
 
-    /// Where the first lane may enter eight boxes, and the last leave them: a lane enters only those where the first is
-    /// not greater. See [`Node::planes`].
+    /// Where the first lane may enter boxes, and the last leave them: a lane enters only those where the first is not
+    /// greater.
     #[inline(always)]
-    fn slab(&self, planes: &[[f32; 8]; 6], t_best: f32) -> (E, E) {
+    pub fn slab(&self, lo: [E; 3], hi: [E; 3], t_best: f32) -> (E, E) {
+        self.slab_of(axes(|k| if self.negative[k] != 0 { (hi[k], lo[k]) } else { (lo[k], hi[k]) }), t_best)
+    }
+
+    /// [`Interval::slab`] of eight boxes as in [`Node::planes`].
+    #[inline(always)]
+    fn slab_in(&self, planes: &[[f32; 8]; 6], t_best: f32) -> (E, E) {
+        let plane = |k: usize, upper: usize| E::load(&planes[2 * k + upper]);
+        self.slab_of(axes(|k| (plane(k, self.negative[k]), plane(k, 1 - self.negative[k]))), t_best)
+    }
+
+    /// From the planes that are near and far.
+    #[inline(always)]
+    fn slab_of(&self, planes: [(E, E); 3], t_best: f32) -> (E, E) {
         let (mut t_near, mut t_far) = (E::zero(), E::splat(f32::INFINITY));
-        for k in 0..3 {
-            let near = E::load(&planes[2 * k + self.negative[k]]) - self.near_origin[k];
-            let far = E::load(&planes[2 * k + 1 - self.negative[k]]) - self.far_origin[k];
+        for (k, (near, far)) in planes.into_iter().enumerate() {
+            let (near, far) = (near - self.near_origin[k], far - self.far_origin[k]);
             t_near = (near * self.lowest[k]).min_or(near * self.highest[k]).max_or(t_near);
             t_far = (far * self.lowest[k]).max_or(far * self.highest[k]).min_or(t_far);
         }
@@ -58,7 +70,7 @@ impl<E: Real> Interval<E> {
     /// Of eight boxes those that some lane may enter before `t_best`, as bits.
     #[inline(always)]
     pub fn entered(&self, planes: &[[f32; 8]; 6], t_best: f32) -> u32 {
-        let (t_near, t_far) = self.slab(planes, t_best);
+        let (t_near, t_far) = self.slab_in(planes, t_best);
         t_near.le_bits(t_far)
     }
 
@@ -66,7 +78,7 @@ impl<E: Real> Interval<E> {
     #[inline(always)]
     pub fn children(&self, node: &Node, t_best: f32) -> (u32, E::Bits) {
         let octant = self.negative[0] | self.negative[1] << 1 | self.negative[2] << 2;
-        let (t_near, t_far) = self.slab(&node.planes, t_best);
+        let (t_near, t_far) = self.slab_in(&node.planes, t_best);
         let order = E::Bits::unpack_octal(node.order[octant]);
         (t_near.permute(order).le_bits(t_far.permute(order)), order)
     }

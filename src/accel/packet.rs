@@ -44,7 +44,7 @@ impl Stack {
     }
 }
 
-/// Walks the tree; `leaf` tests a block against the lanes that enter it, and returns the lanes still wanted with
+/// Walks the tree; `leaf` tests places of a block against the lanes that enter it, and returns the lanes still wanted with
 /// the distance up to which they are. `left` is offered the lanes that enter a child; where it takes them, the packet
 /// goes no further there.
 #[inline(always)]
@@ -54,13 +54,14 @@ pub fn walk<B: Block, R: Real>(
     active: R::Mask,
     t_max: R,
     mut left: impl FnMut(Child, R::Mask) -> bool,
-    mut leaf: impl FnMut(&B, R::Mask) -> (R::Mask, R),
+    mut leaf: impl FnMut(&B, u32, R::Mask) -> (R::Mask, R),
 ) {
     if tree.root == Child::NONE || active.none() {
         return;
     }
     if tree.root.is_leaf() {
-        leaf(&tree.blocks[tree.root.index()], active);
+        let block = &tree.blocks[tree.root.index()];
+        leaf(block, block.places::<R::Eight>(None, 0.0), active);
         return;
     }
     let interval = Interval::<R::Eight>::new(ray.setup, ray.negative, active);
@@ -85,7 +86,8 @@ pub fn walk<B: Block, R: Real>(
             continue;
         }
         if child.is_leaf() {
-            (active, t_best) = leaf(&tree.blocks[child.index()], inside);
+            let block = &tree.blocks[child.index()];
+            (active, t_best) = leaf(block, block.places(interval.as_ref(), t_farthest), inside);
             if active.none() {
                 return;
             }
@@ -124,8 +126,8 @@ impl Mode for Packet {
             active,
             hit.t,
             |_, _| false,
-            |block, inside| {
-                block.closest_packet(&ray, inside, hit, t_max);
+            |block, places, inside| {
+                block.closest_packet(&ray, places, inside, hit, t_max);
                 (active, hit.t)
             },
         );
@@ -135,8 +137,8 @@ impl Mode for Packet {
             active,
             hit.t,
             |_, _| false,
-            |block, inside| {
-                block.closest_packet(&ray, inside, hit, t_max);
+            |block, places, inside| {
+                block.closest_packet(&ray, places, inside, hit, t_max);
                 (active, hit.t)
             },
         );
@@ -154,8 +156,8 @@ impl Mode for Packet {
             active,
             t_max,
             |_, _| false,
-            |block, inside| {
-                open = open & !block.any_packet(&ray, t_max, inside & open);
+            |block, places, inside| {
+                open = open & !block.any_packet(&ray, places, t_max, inside & open);
                 (open, t_max)
             },
         );
@@ -165,8 +167,8 @@ impl Mode for Packet {
             open,
             t_max,
             |_, _| false,
-            |block, inside| {
-                open = open & !block.any_packet(&ray, t_max, inside & open);
+            |block, places, inside| {
+                open = open & !block.any_packet(&ray, places, t_max, inside & open);
                 (open, t_max)
             },
         );

@@ -28,7 +28,7 @@ fn walk_apart<B: Block, R: Real>(
     active: R::Mask,
     t_max: R,
     mut left: impl FnMut(Child, R::Mask) -> bool,
-    mut leaf: impl FnMut(&B, R::Mask) -> R::Mask,
+    mut leaf: impl FnMut(&B, u32, R::Mask) -> R::Mask,
 ) {
     let mut stack = [Entry { child: tree.root, lanes: active.bits() }; STACK];
     let (mut open, mut len) = (active.bits(), usize::from(tree.root != Child::NONE));
@@ -40,7 +40,9 @@ fn walk_apart<B: Block, R: Real>(
             continue;
         }
         if child.is_leaf() {
-            open = leaf(&tree.blocks[child.index()], R::Mask::from_bits(lanes)).bits();
+            let block = &tree.blocks[child.index()];
+            let all = block.places::<R::Eight>(None, 0.0);
+            open = leaf(block, all, R::Mask::from_bits(lanes)).bits();
             continue;
         }
         let node = &tree.nodes[child.index()];
@@ -84,13 +86,13 @@ fn together<B: Block, R: Real>(
         *given |= u64::from(bits) << first;
         flight.give(first, bits, child)
     };
-    let leaf = |block: &B, inside: R::Mask| {
-        open = open & !block.any_packet(&ray, t_max, inside & open);
+    let leaf = |block: &B, places: u32, inside: R::Mask| {
+        open = open & !block.any_packet(&ray, places, t_max, inside & open);
         open
     };
     if ray.negative.is_some() {
         let mut leaf = leaf;
-        walk(tree, &ray, active, t_max, leave, |block, inside| (leaf(block, inside), t_max));
+        walk(tree, &ray, active, t_max, leave, |block, places, inside| (leaf(block, places, inside), t_max));
     } else {
         walk_apart(tree, &ray, active, t_max, leave, leaf);
     }

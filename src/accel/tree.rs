@@ -1,6 +1,7 @@
 //! A tree of eight-wide nodes over blocks of eight primitives.
 
 use super::collapse::collapse;
+use super::interval::Interval;
 use super::node::{Child, Node};
 use super::{Preset, build};
 use crate::geometry::{Bounds, Hit, RaySetup, Shear};
@@ -18,9 +19,11 @@ pub trait Block: Copy + Send + Sync {
     /// One ray against all.
     fn closest_one<E: Real>(&self, ray: &OneRay<E>, best: &mut OneHit);
     fn any_one<E: Real>(&self, ray: &OneRay<E>, t_max: f32) -> bool;
-    /// A packet against each in turn.
-    fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, active: R::Mask, hit: &mut Hit<R>, t_max: R);
-    fn any_packet<R: Real>(&self, ray: &PacketRay<R>, t_max: R, active: R::Mask) -> R::Mask;
+    /// Which of them some lane of a packet may hit before `t_best`, as bits: all, where nothing is known of the packet.
+    fn places<E: Real>(&self, interval: Option<&Interval<E>>, t_best: f32) -> u32;
+    /// A packet against each of `places` in turn.
+    fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, active: R::Mask, hit: &mut Hit<R>, t_max: R);
+    fn any_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, t_max: R, active: R::Mask) -> R::Mask;
 }
 
 /// One ray in every lane of `E`, with what is uniform as plain numbers.

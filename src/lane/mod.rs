@@ -21,6 +21,7 @@ mod width8;
 
 pub use shuffle::prefetch;
 pub use vec3::{Vec3, axes, difference_of_products};
+pub(crate) use wide::u32x8;
 pub use wide::{f32x8, f32x16};
 use wide_impl::{MaskOps, reinterpret, wide_lanes, wide_masks};
 
