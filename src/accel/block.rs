@@ -77,35 +77,53 @@ impl TriangleBlock {
         (edges, within & t.lt(E::splat(ray.t_max)), t)
     }
 
-    /// Calls `test` with each triangle of `places` in turn, its number, its vertices in the packet's [order](PacketRay::order) and as
-    /// they are, until it returns true.
-    ///
-    /// Two loops: a choice of order inside one would keep the vertices as scalars.
+    /// Triangle `i` in every lane, in the order of each.
     #[inline(always)]
-    fn each_for_packet<R: Real>(
+    fn turned<R: Real>(&self, ray: &PacketRay<R>, i: usize) -> Vertices<R> {
+        let world = self.splat([0, 1, 2], i);
+        axes(|vertex| axes(|k| ray.pick(k, world[vertex])))
+    }
+
+    /// `turned` gives the vertices of a place in the packet's order.
+    #[inline(always)]
+    fn closest_turned<R: Real>(
         &self,
         ray: &PacketRay<R>,
         places: u32,
-        mut test: impl FnMut(u32, Vertices<R>, Vertices<R>) -> bool,
+        active: R::Mask,
+        hit: &mut Hit<R>,
+        t_max: R,
+        turned: impl Fn(usize) -> Vertices<R>,
     ) {
-        let ids = || ones(places).map(|i| (i % 8, self.id[i % 8]));
-        match ray.order {
-            Some(order) => {
-                for (i, id) in ids() {
-                    if test(id, self.splat(order, i), self.splat([0, 1, 2], i)) {
-                        return;
-                    }
-                }
+        for i in ones(places) {
+            let i = i % 8;
+            if let Some(found) = test_packet(ray.setup, turned(i), self.splat([0, 1, 2], i), hit.t, active) {
+                keep_triangle(found, self.id[i], t_max, hit);
             }
-            None => {
-                for (i, id) in ids() {
-                    let world = self.splat([0, 1, 2], i);
-                    if test(id, axes(|vertex| axes(|k| ray.pick(k, world[vertex]))), world) {
-                        return;
-                    }
+        }
+    }
+
+    /// See [`TriangleBlock::closest_turned`].
+    #[inline(always)]
+    fn any_turned<R: Real>(
+        &self,
+        ray: &PacketRay<R>,
+        places: u32,
+        t_max: R,
+        active: R::Mask,
+        turned: impl Fn(usize) -> Vertices<R>,
+    ) -> R::Mask {
+        let mut open = active;
+        for i in ones(places) {
+            let i = i % 8;
+            if let Some((_, mask, t)) = test_packet(ray.setup, turned(i), self.splat([0, 1, 2], i), t_max, open) {
+                open = open & !(mask & t.lt(t_max));
+                if open.none() {
+                    break;
                 }
             }
         }
+        active & !open
     }
 }
 
@@ -226,23 +244,18 @@ impl Block for TriangleBlock {
     }
     #[inline(always)]
     fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
-        self.each_for_packet(ray, places, |id, turned, world| {
-            if let Some(found) = test_packet(ray.setup, turned, world, hit.t, active) {
-                keep_triangle(found, id, t_max, hit);
-            }
-            false
-        });
+        // Two loops: a choice of order inside one would keep the vertices as scalars.
+        match ray.order {
+            Some(order) => self.closest_turned(ray, places, active, hit, t_max, |i| self.splat(order, i)),
+            None => self.closest_turned(ray, places, active, hit, t_max, |i| self.turned(ray, i)),
+        }
     }
     #[inline(always)]
     fn any_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, t_max: R, active: R::Mask) -> R::Mask {
-        let mut open = active;
-        self.each_for_packet(ray, places, |_, turned, world| {
-            if let Some((_, mask, t)) = test_packet(ray.setup, turned, world, t_max, open) {
-                open = open & !(mask & t.lt(t_max));
-            }
-            open.none()
-        });
-        active & !open
+        match ray.order {
+            Some(order) => self.any_turned(ray, places, t_max, active, |i| self.splat(order, i)),
+            None => self.any_turned(ray, places, t_max, active, |i| self.turned(ray, i)),
+        }
     }
 }
 

@@ -74,12 +74,26 @@ impl<E: Real> Interval<E> {
         t_near.le_bits(t_far)
     }
 
-    /// Children that some lane may enter before `t_best`, as bits in the octant's order, and that order.
+    /// Slots of the children that some lane may enter before `t_best`, as bits in the octant's order, and that order.
     #[inline(always)]
-    pub fn children(&self, node: &Node, t_best: f32) -> (u32, E::Bits) {
-        let octant = self.negative[0] | self.negative[1] << 1 | self.negative[2] << 2;
+    pub fn slots(&self, node: &Node, t_best: f32) -> (u32, E::Bits) {
         let (t_near, t_far) = self.slab_in(&node.planes, t_best);
-        let order = E::Bits::unpack_octal(node.order[octant]);
+        let order = E::Bits::unpack_octal(node.order[self.octant()]);
         (t_near.permute(order).le_bits(t_far.permute(order)), order)
+    }
+
+    /// As [`Interval::slots`], where the first lane enters them, and all the child words, in that order.
+    #[inline(always)]
+    pub fn children(&self, node: &Node, t_best: f32) -> (u32, E, E::Bits) {
+        let (t_near, t_far) = self.slab_in(&node.planes, t_best);
+        let order = E::Bits::unpack_octal(node.order[self.octant()]);
+        let t_near = t_near.permute(order);
+        let words = E::from_bits(E::Bits::load(&node.children)).permute(order).to_bits();
+        (t_near.le_bits(t_far.permute(order)), t_near, words)
+    }
+
+    #[inline(always)]
+    fn octant(&self) -> usize {
+        self.negative[0] | self.negative[1] << 1 | self.negative[2] << 2
     }
 }

@@ -27,7 +27,7 @@ impl Stack {
         let first = (index * 8) as u32;
         match interval {
             Some(interval) => {
-                let (bits, order) = interval.children(node, t_best);
+                let (bits, order) = interval.slots(node, t_best);
                 // `unpack_octal` leaves higher digits above the low three bits.
                 let slots = (order & Bits::splat(7)) + Bits::splat(first);
                 <R::Eight as Real>::from_bits(slots).compress(bits).to_bits().store(&mut self.slot[self.len..]);
@@ -98,6 +98,41 @@ pub fn walk<B: Block, R: Real>(
     }
 }
 
+/// [`walk`] by the bounds of the packet alone, for closest hits: of rays so close that they share an octant nearly all
+/// enter what their bounds enter, and a test of each lane costs more than it spares.
+#[inline(always)]
+fn walk_bounds<B: Block, R: Real>(
+    tree: &Tree<B>,
+    interval: &Interval<R::Eight>,
+    active: R::Mask,
+    t_max: R,
+    mut leaf: impl FnMut(&B, u32) -> R,
+) {
+    let farthest = |t: R| R::select(active, t, R::zero()).highest();
+    let mut t_best = farthest(t_max);
+    let (mut t_nears, mut children) = ([0f32; STACK], [tree.root.0; STACK]);
+    let mut len = usize::from(tree.root != Child::NONE && active.any());
+    while let Some(last) = len.checked_sub(1) {
+        len = last;
+        let child = Child(children[len]);
+        if t_nears[len] > t_best {
+            continue;
+        }
+        if child.is_leaf() {
+            let block = &tree.blocks[child.index()];
+            let places = block.places(Some(interval), t_best);
+            if places != 0 {
+                t_best = farthest(leaf(block, places));
+            }
+        } else {
+            let (bits, t_near, words) = interval.children(&tree.nodes[child.index()], t_best);
+            t_near.compress(bits).store(&mut t_nears[len..]);
+            <R::Eight as Real>::from_bits(words).compress(bits).to_bits().store(&mut children[len..]);
+            len += bits.count_ones() as usize;
+        }
+    }
+}
+
 /// The slab test of one child against all lanes.
 #[inline(always)]
 fn enter<R: Real>(node: &Node, slot: usize, ray: &PacketRay<R>) -> (R, R) {
@@ -111,6 +146,35 @@ fn enter<R: Real>(node: &Node, slot: usize, ray: &PacketRay<R>) -> (R, R) {
     }
 }
 
+/// The closest hits of `active` lanes in a tree, beside what `hit` has already.
+#[inline(always)]
+fn closest<B: Block, R: Real>(
+    tree: &Tree<B>,
+    ray: &PacketRay<R>,
+    interval: Option<&Interval<R::Eight>>,
+    active: R::Mask,
+    hit: &mut Hit<R>,
+) {
+    let t_max = hit.t;
+    match interval {
+        Some(interval) => walk_bounds(tree, interval, active, t_max, |block, places| {
+            block.closest_packet(ray, places, active, hit, t_max);
+            hit.t
+        }),
+        None => walk(
+            tree,
+            ray,
+            active,
+            t_max,
+            |_, _| false,
+            |block, places, inside| {
+                block.closest_packet(ray, places, inside, hit, t_max);
+                (active, hit.t)
+            },
+        ),
+    }
+}
+
 impl Mode for Packet {
     const TREE: bool = true;
 
@@ -119,29 +183,10 @@ impl Mode for Packet {
         if R::WIDTH == 1 {
             return Single::closest(accel, setup, active, hit);
         }
-        let (ray, t_max) = (PacketRay::new(setup, active), hit.t);
-        walk(
-            &accel.triangle_tree,
-            &ray,
-            active,
-            hit.t,
-            |_, _| false,
-            |block, places, inside| {
-                block.closest_packet(&ray, places, inside, hit, t_max);
-                (active, hit.t)
-            },
-        );
-        walk(
-            &accel.sphere_tree,
-            &ray,
-            active,
-            hit.t,
-            |_, _| false,
-            |block, places, inside| {
-                block.closest_packet(&ray, places, inside, hit, t_max);
-                (active, hit.t)
-            },
-        );
+        let ray = PacketRay::new(setup, active);
+        let interval = Interval::<R::Eight>::new(setup, ray.negative, active);
+        closest(&accel.triangle_tree, &ray, interval.as_ref(), active, hit);
+        closest(&accel.sphere_tree, &ray, interval.as_ref(), active, hit);
     }
 
     #[inline(always)]
