@@ -1,7 +1,9 @@
 //! The triangles of a small scene, every one of which is tested: roughly, and exactly where that leaves doubt.
 
 use super::block::keep_triangle;
+use super::interval::Interval;
 use super::pairs::{Facet, Pairs};
+use super::tree::common_octant;
 use crate::geometry::{Edges, Hit, MISS, RaySetup, Rows, SharedEdge, first_of_pair, second_of_pair};
 use crate::lane::{Bits, Mask, Real, axes};
 
@@ -34,11 +36,15 @@ impl TriangleList {
         (found & t_near.le(t_far), t_near)
     }
 
-    /// Own boxes are looked at once, for the winners: where the winner of the bare distances passes its box and lies
+    /// Rays that go into the same octant are tested exactly, against the few triangles that their bounds meet. Of others
+    /// own boxes are looked at once, for the winners: where the winner of the bare distances passes its box and lies
     /// behind the box's front, it is the winner of the exact test too, since that only ever removes hits or moves them
     /// away. The few other lanes are done again, exactly.
     #[inline(always)]
     pub fn closest<R: Real>(&self, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>) {
+        if let Some(interval) = bounds(setup, active) {
+            return self.closest_exact(setup, Some(&interval), active, hit);
+        }
         let one = R::Bits::splat(1);
         let mut best = hit.t.to_bits() - one;
         let (mut primitive, mut weights, mut sum) = (R::Bits::splat(MISS), [R::zero(); 2], R::one());
@@ -56,16 +62,21 @@ impl TriangleList {
         let (enters, t_near) = self.enter(setup, primitive, found);
         let doubtful = (active & is_set::<R>(low)) | (found & !(enters & t_near.le(best.t)));
         if doubtful.any() {
-            self.closest_exact(setup, doubtful, hit);
+            self.closest_exact(setup, None, doubtful, hit);
         }
         hit.replace(found & !doubtful, best);
     }
 
-    #[cold]
     #[inline(never)]
-    fn closest_exact<R: Real>(&self, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>) {
+    fn closest_exact<R: Real>(
+        &self,
+        setup: &RaySetup<R>,
+        interval: Option<&Interval<R::Eight>>,
+        active: R::Mask,
+        hit: &mut Hit<R>,
+    ) {
         let t_max = hit.t;
-        self.visit_exact(setup, active, |i, edges, mask, t| {
+        self.visit_exact(setup, interval, t_max, active, |i, edges, mask, t| {
             keep_triangle((edges, mask, t), i, t_max, hit);
             false
         });
@@ -74,6 +85,9 @@ impl TriangleList {
     /// Lanes of `active` with a hit before `t_max`. As in [`TriangleList::closest`] the own box of one hit is looked at.
     #[inline(always)]
     pub fn any<R: Real>(&self, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask {
+        if let Some(interval) = bounds(setup, active) {
+            return self.any_exact(setup, Some(&interval), t_max, active);
+        }
         let end = t_max.to_bits() - R::Bits::splat(1);
         let mut primitive = R::Bits::splat(MISS);
         let low = self.pairs.sieve(setup, |sifted| {
@@ -83,14 +97,19 @@ impl TriangleList {
         let (enters, t_near) = self.enter(setup, primitive, found);
         let sure = enters & t_near.lt(t_max);
         let doubtful = (found | (active & is_set::<R>(low))) & !sure;
-        if doubtful.any() { sure | self.any_exact(setup, t_max, doubtful) } else { sure }
+        if doubtful.any() { sure | self.any_exact(setup, None, t_max, doubtful) } else { sure }
     }
 
-    #[cold]
     #[inline(never)]
-    fn any_exact<R: Real>(&self, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask {
+    fn any_exact<R: Real>(
+        &self,
+        setup: &RaySetup<R>,
+        interval: Option<&Interval<R::Eight>>,
+        t_max: R,
+        active: R::Mask,
+    ) -> R::Mask {
         let mut open = active;
-        self.visit_exact(setup, active, |_, _, mask, t| {
+        self.visit_exact(setup, interval, t_max, active, |_, _, mask, t| {
             open = open & !(mask & t.lt(t_max));
             open.none()
         });
@@ -103,10 +122,13 @@ impl TriangleList {
     fn visit_exact<R: Real>(
         &self,
         setup: &RaySetup<R>,
+        interval: Option<&Interval<R::Eight>>,
+        t_max: R,
         active: R::Mask,
         mut visit: impl FnMut(u32, Edges<R>, R::Mask, R) -> bool,
     ) {
-        for pair in &self.pairs.list {
+        let farthest = R::select(active, t_max, R::zero()).highest();
+        for pair in self.pairs.met(interval, farthest) {
             let v0 = axes(|k| R::splat(pair.vertices[0][k]));
             let moved = |i: usize| setup.shear.apply(axes(|k| R::lookup4(&pair.vertices[i], setup.order[k])));
             let (p, r) = (moved(0), moved(2));
@@ -128,6 +150,13 @@ impl TriangleList {
             }
         }
     }
+}
+
+/// Bounds of the packet, where its lanes go into the same octant. Alone, a ray has none: a scalar test of a box for each
+/// pair is no gain.
+#[inline(always)]
+fn bounds<R: Real>(setup: &RaySetup<R>, active: R::Mask) -> Option<Interval<R::Eight>> {
+    if R::WIDTH == 1 { None } else { Interval::new(setup, common_octant(setup, active), active) }
 }
 
 /// Lanes with the sign bit set.

@@ -1,6 +1,8 @@
 //! Triangles for brute force: pairs that share an edge share its work, and groups of pairs their vertices.
 
 use super::corners::{Corner, Moved, Vertices};
+use super::interval::Interval;
+use super::lanes::ones;
 use crate::geometry::{Bounds, Edges, RaySetup, SharedEdge, largest, meet_plane, plane_normal};
 use crate::lane::{Bits, Real, axes};
 use core::ops::Range;
@@ -38,6 +40,8 @@ pub struct Pair {
 pub struct Pairs {
     pub list: Vec<Pair>,
     groups: Vec<(Vertices, Range<usize>)>,
+    /// Around the own boxes of eight pairs at a time: see [`Node::planes`](super::node::Node::planes).
+    planes: Vec<[[f32; 8]; 6]>,
 }
 
 /// What [`Pairs::sieve`] finds of a packet and a triangle.
@@ -88,7 +92,17 @@ impl Pairs {
             pairs.push(i as u32, [p, q, r], next.map(|next| next[2]));
             i += 1 + usize::from(next.is_some());
         }
+        pairs.planes = pairs.list.chunks(8).map(planes).collect();
         pairs
+    }
+
+    /// The pairs, without those whose own boxes no lane enters before `t_max`, as far as that can be told from the bounds
+    /// of a packet.
+    #[inline(always)]
+    pub fn met<E: Real>(&self, interval: Option<&Interval<E>>, t_max: f32) -> impl Iterator<Item = &Pair> {
+        self.planes.iter().zip(self.list.chunks(8)).flat_map(move |(planes, pairs)| {
+            ones(interval.map_or(0xff, |interval| interval.entered(planes, t_max))).filter_map(|i| pairs.get(i))
+        })
     }
 
     fn push(&mut self, first: u32, [p, q, r]: [[f32; 3]; 3], s: Option<[f32; 3]>) {
@@ -113,7 +127,7 @@ impl Pairs {
 
     pub fn bytes(&self) -> usize {
         let groups: usize = self.groups.iter().map(|(vertices, _)| vertices.bytes()).sum();
-        core::mem::size_of_val(self.list.as_slice()) + groups
+        core::mem::size_of_val(self.list.as_slice()) + core::mem::size_of_val(self.planes.as_slice()) + groups
     }
 
     /// Shows `visit` every triangle in order. Own boxes are not looked at. Returns a word whose sign marks lanes that pass
@@ -133,6 +147,21 @@ impl Pairs {
         }
         low
     }
+}
+
+/// Bounds of up to eight pairs; an empty place is entered by no ray.
+fn planes(pairs: &[Pair]) -> [[f32; 8]; 6] {
+    let mut planes = [[f32::INFINITY; 8]; 6];
+    for (k, plane) in planes.iter_mut().enumerate() {
+        let upper = k % 2 != 0;
+        for (slot, plane) in plane.iter_mut().enumerate() {
+            let empty = if upper { f32::NEG_INFINITY } else { f32::INFINITY };
+            let facets = pairs.get(slot).map_or(&[][..], |pair| &pair.facets[..1 + usize::from(pair.both)]);
+            let bounds = facets.iter().map(|f| if upper { f.hi[k / 2] } else { f.lo[k / 2] });
+            *plane = bounds.fold(empty, if upper { f32::max } else { f32::min });
+        }
+    }
+    planes
 }
 
 impl Pair {
