@@ -1,6 +1,6 @@
 //! The emitting primitives: one row each, chosen by power.
 
-use super::alias::MAX_ENTRIES;
+use super::alias::{MAX_ENTRIES, Table};
 use super::grid::{ChoiceGrid, Lamp, Receivers};
 use super::inversion::{Choice, Inversion};
 use super::sample::LightPoint;
@@ -40,8 +40,7 @@ pub(super) struct AreaLights {
     /// The primitive of each row.
     primitives: Vec<u32>,
     first_sphere: usize,
-    /// One table, by power.
-    choice: Inversion,
+    choice: ByPower,
     /// Of each row, by power, area lights' share left out.
     probability: Vec<f64>,
     grid: Option<Grid>,
@@ -66,7 +65,7 @@ impl AreaLights {
         emitters.sort_by_key(|e| (e.is_sphere(), e.primitive));
         let first_sphere = emitters.partition_point(|e| !e.is_sphere());
         let powers: Vec<f64> = emitters.iter().map(Emitter::power).collect();
-        let (choice, probability) = by_power(&powers);
+        let (choice, probability) = ByPower::build(&powers);
         let rows = emitters.iter().zip(&probability).map(|(e, p)| row(e, p * share)).collect();
         let primitives = emitters.iter().map(|e| e.primitive).collect();
         Ok(Some(Self { rows, primitives, first_sphere, choice, probability, grid: None }))
@@ -123,7 +122,7 @@ impl AreaLights {
 
     pub(super) fn memory(&self) -> usize {
         let grid = self.grid.as_ref().map_or(0, |grid| grid.choice.memory() + size_of_val(&*grid.row_of));
-        size_of_val(&*self.rows) + size_of_val(&*self.primitives) + self.choice.bytes() + grid
+        size_of_val(&*self.rows) + size_of_val(&*self.primitives) + self.choice.memory() + grid
     }
 
     /// A point on a light as seen from `origin`: by power, or from a `table` of the grid.
@@ -139,7 +138,7 @@ impl AreaLights {
                 let ratio = grid.choice.ratio(table, choice.entry);
                 (choice, Some(ratio))
             }
-            _ => (self.by_power(u[0], fine), None),
+            _ => (self.choice.choose(u, fine), None),
         };
         let u = [rest, u[1]];
         let rows = LaneRows::<R>::of(&self.rows, index);
@@ -161,18 +160,10 @@ impl AreaLights {
     /// A primitive chosen by power, its radiance, and what is left of `u` for the point on it.
     #[inline(always)]
     pub(super) fn choose<R: Real>(&self, u: [R; 2], fine: R) -> (R::Bits, Vec3<R>, [R; 2]) {
-        let Choice { entry: index, rest } = self.by_power(u[0], fine);
+        let Choice { entry: index, rest } = self.choice.choose(u, fine);
         let rows = LaneRows::<R>::of(&self.rows, index);
         let primitive = R::Bits::from_fn(|i| self.primitives[index.lane(i) as usize]);
         (primitive, rows.vector(RADIANCE), [rest, u[1]])
-    }
-
-    #[inline(always)]
-    fn by_power<R: Real>(&self, u: R, fine: R) -> Choice<R> {
-        if self.rows.len() == 1 {
-            return Choice { entry: R::Bits::splat(0), rest: u };
-        }
-        self.choice.choose(R::Bits::splat(0), u, fine)
     }
 
     /// See [`Lights::emitter_pdf_row`](super::Lights::emitter_pdf_row).
@@ -201,17 +192,57 @@ impl AreaLights {
     }
 }
 
-/// A table in proportion to `powers`, with the probabilities it yields.
-fn by_power(powers: &[f64]) -> (Inversion, Vec<f64>) {
-    // Relative to the strongest, because powers may leave the range of f32 where their ratios do not.
-    let strongest = powers.iter().copied().fold(0.0, f64::max);
-    let relative: Vec<f32> = powers.iter().map(|power| (power / strongest) as f32).collect();
-    let mut choice = Inversion::new(1, powers.len());
-    let mut probability = vec![0.0; powers.len()];
-    choice.tables().iter_mut().for_each(|table| {
-        table.fill(&relative, &mut probability);
-    });
-    (choice, probability)
+/// More lights than this are not put side by side in one number's 2²⁴ values, which would round their shares too much.
+const MOST_IN_A_ROW: usize = 1024;
+
+/// A light by its power.
+enum ByPower {
+    /// There is one.
+    Only,
+    /// Neighbours in the list are neighbours in the number.
+    InARow(Inversion),
+    /// By a number of its own.
+    Apart(Table),
+}
+
+impl ByPower {
+    /// In proportion to `powers`, with the probabilities it yields.
+    fn build(powers: &[f64]) -> (Self, Vec<f64>) {
+        if powers.len() == 1 {
+            return (Self::Only, vec![1.0]);
+        }
+        if powers.len() > MOST_IN_A_ROW {
+            let (table, probability) = Table::build(powers);
+            return (Self::Apart(table), probability);
+        }
+        // Relative to the strongest, because powers may leave the range of f32 where their ratios do not.
+        let strongest = powers.iter().copied().fold(0.0, f64::max);
+        let relative: Vec<f32> = powers.iter().map(|power| (power / strongest) as f32).collect();
+        let mut inversion = Inversion::new(1, powers.len());
+        let mut probability = vec![0.0; powers.len()];
+        inversion.tables().iter_mut().for_each(|table| {
+            table.fill(&relative, &mut probability);
+        });
+        (Self::InARow(inversion), probability)
+    }
+
+    /// By `u[0]` and, where its digits end, `fine`; what is left of `u[0]` is in the choice.
+    #[inline(always)]
+    fn choose<R: Real>(&self, u: [R; 2], fine: R) -> Choice<R> {
+        match self {
+            Self::Only => Choice { entry: R::Bits::splat(0), rest: u[0] },
+            Self::InARow(inversion) => inversion.choose(R::Bits::splat(0), u[0], fine),
+            Self::Apart(table) => Choice { entry: table.choose(fine, u), rest: u[0] },
+        }
+    }
+
+    fn memory(&self) -> usize {
+        match self {
+            Self::Only => 0,
+            Self::InARow(inversion) => inversion.bytes(),
+            Self::Apart(table) => table.memory(),
+        }
+    }
 }
 
 /// The rows that the lanes look at, a register a field.

@@ -61,7 +61,7 @@ fn rays_that_pass_many_boxes() {
     for i in 0..30_000 {
         let (a, d) = (rng.point(1.2), rng.point(0.2));
         let b = [0, 1, 2].map(|k| a[k] + d[k]);
-        let width = if i % 50 == 0 { 1e-2 } else { 1e-6 };
+        let width = if i % 5 == 0 { 1e-2 } else { 1e-6 };
         shapes.push([a, b, b.map(|x| x + width * rng.signed())]);
     }
     let accel = shapes.everything(Preset::Medium);
