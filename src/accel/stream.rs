@@ -43,8 +43,8 @@ fn at(list: &[u8; RAYS], k: usize) -> usize {
 struct Walk<'a, B> {
     tree: &'a Tree<B>,
     stacks: &'a mut Stacks,
-    /// [`Flight::top`].
-    top: &'a mut [u32; RAYS],
+    /// [`Flight::top`], of which this is a copy: through a reference each step would wait for the last one's stores.
+    top: [u32; RAYS],
     child: [Child; RAYS],
     lists: Lists,
 }
@@ -104,7 +104,7 @@ pub fn walk<B: Block, R: Real>(
     }
     let Flight { lanes, best, stacks, top } = flight;
     let lists = Lists { nodes: [0; RAYS], blocks: [0; RAYS], pops: [0; RAYS] };
-    let mut walk = Walk { tree, stacks, top, child: [tree.root; RAYS], lists };
+    let mut walk = Walk { tree, stacks, top: *top, child: [tree.root; RAYS], lists };
     let mut lens = Lens::default();
     for i in (0..RAYS).filter(|i| bits >> i & 1 != 0) {
         push_if(&mut walk.lists.pops, &mut lens.pops, i, given);
