@@ -175,6 +175,23 @@ fn closest<B: Block, R: Real>(
     }
 }
 
+/// The lanes of `open` that hit nothing of a tree before `t_max`.
+#[inline(always)]
+fn unhidden<B: Block, R: Real>(tree: &Tree<B>, ray: &PacketRay<R>, t_max: R, mut open: R::Mask) -> R::Mask {
+    walk(
+        tree,
+        ray,
+        open,
+        t_max,
+        |_, _| false,
+        |block, places, inside| {
+            open = open & !block.any_packet(ray, places, t_max, inside & open);
+            (open, t_max)
+        },
+    );
+    open
+}
+
 impl Mode for Packet {
     const TREE: bool = true;
 
@@ -194,29 +211,9 @@ impl Mode for Packet {
         if R::WIDTH == 1 {
             return Single::any(accel, setup, t_max, active);
         }
-        let (ray, mut open) = (PacketRay::new(setup, active), active);
-        walk(
-            &accel.triangle_tree,
-            &ray,
-            active,
-            t_max,
-            |_, _| false,
-            |block, places, inside| {
-                open = open & !block.any_packet(&ray, places, t_max, inside & open);
-                (open, t_max)
-            },
-        );
-        walk(
-            &accel.sphere_tree,
-            &ray,
-            open,
-            t_max,
-            |_, _| false,
-            |block, places, inside| {
-                open = open & !block.any_packet(&ray, places, t_max, inside & open);
-                (open, t_max)
-            },
-        );
+        let ray = PacketRay::new(setup, active);
+        let open = unhidden(&accel.triangle_tree, &ray, t_max, active);
+        let open = unhidden(&accel.sphere_tree, &ray, t_max, open);
         active & !open
     }
 }

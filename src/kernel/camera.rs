@@ -93,7 +93,7 @@ impl Camera {
         let inside = ahead & x.ge(R::zero()) & x.lt(width) & y.ge(R::zero()) & y.lt(height);
         let whole = |x: R| x.floor().masked(inside).to_int();
         let pixel = whole(y) * R::Bits::splat(self.film.width) + whole(x);
-        Seen { pixel, importance: R::splat(self.pixel_density) / (cos * cos * cos), inside }
+        Seen { pixel, importance: self.importance(d), inside }
     }
 
     /// Rays through film positions in pixels from the top left corner and the centre of the lens. Directions are unit.

@@ -16,9 +16,10 @@ pub const BOUNCE: usize = 12;
 pub const BSDF_LOBE: usize = 0;
 /// Which direction of the lobe, two numbers.
 pub const BSDF_DIRECTION: usize = 1;
-/// Which light.
+/// Which of the lights without extent; and the digits below the last of [`LIGHT_POSITION`], whose first number chooses among
+/// the others.
 pub const LIGHT_CHOICE: usize = 3;
-/// Where on the light, two numbers.
+/// Which light, and where on it: two numbers.
 pub const LIGHT_POSITION: usize = 4;
 /// Russian roulette.
 pub const ROULETTE: usize = 6;
