@@ -137,7 +137,7 @@ fn whole_paths(c: &mut Criterion) {
     group.sample_size(10);
     for width in Width::ALL {
         let budget = Budget { samples: Some(samples), ..Budget::default() };
-        let options = Options { budget, width, tile: 16, aovs: false, output_seconds: 0.0 };
+        let options = Options { budget, width, tile: 16, aovs: false, output_seconds: 0.0, adaptive: false };
         group.bench_function(format!("{} lanes", width.lanes()), |b| {
             b.iter(|| render::render(&world, &options, &pool, &mut Progress::quiet()).counters)
         });

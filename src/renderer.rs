@@ -155,6 +155,7 @@ impl Renderer {
             tile: self.tile.unwrap_or_else(|| render::default_tile(world.film.width, world.film.height)),
             aovs: false,
             output_seconds: 0.0,
+            adaptive: false,
         };
         let film = render::empty_film(world, &options, 0);
         Ok(render::render_by(kernel, film, world, &options, &pool, &mut Progress::quiet(), &mut ()).film)

@@ -2,6 +2,7 @@
 
 mod stats;
 
+mod adaptive;
 mod bsdf;
 mod cli;
 mod closed_forms;

@@ -56,7 +56,7 @@ fn render_film(
     samples: u64,
 ) -> Result<Film, rayon::ThreadPoolBuildError> {
     let budget = Budget { samples: Some(samples), ..Budget::default() };
-    let options = Options { budget, width, tile, aovs: false, output_seconds: 0.0 };
+    let options = Options { budget, width, tile, aovs: false, output_seconds: 0.0, adaptive: false };
     Ok(render::render(world, &options, &render::thread_pool(threads)?, &mut Progress::quiet()).film)
 }
 

@@ -8,6 +8,7 @@ use super::state_args::StateArgs;
 use super::targets::{ImageArgs, check_folders, default_exr, write_json};
 use crate::kernel::World;
 use crate::plan::Force;
+use crate::render::adaptive::adaptive_tile;
 use crate::render::{self, Budget, Options, Phase, Progress, Summary, Times, interrupt};
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -47,6 +48,10 @@ pub struct RenderArgs {
     /// With --error: choose the sample count from a discarded pilot, so that the estimate stays unbiased
     #[arg(long, requires = "error")]
     unbiased: bool,
+    /// Give tiles numbers of samples that lower the relative error most, by a pilot whose samples are thrown away: adds no
+    /// bias. With --spp N they have N on average, beside the pilot's (an eighth of it at most)
+    #[arg(long, conflicts_with_all = ["tile", "state", "resume", "samples", "ladder", "unbiased"])]
+    adaptive: bool,
     /// Also write albedo.*, N.* and Z of the first hit, and bmc.variance.* where the scene gathers by bmc or bmc-is
     #[arg(long)]
     aovs: bool,
@@ -70,12 +75,18 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
 impl RenderArgs {
     pub(super) fn world(&self) -> Result<(Scene, World, Times), CliError> {
         let force = Force { general: self.general, geometry: None };
-        self.scene.world(force, self.aovs, self.quiet)
+        let (scene, world, times) = self.scene.world(force, self.aovs, self.quiet)?;
+        match self.adaptive.then(|| world.needs_equal_samples()).flatten() {
+            Some(why) => Err(CliError::Usage(format!("--adaptive: {why}"))),
+            None => Ok((scene, world, times)),
+        }
     }
 
     pub(super) fn options(&self, world: &World, budget: Budget, output_seconds: f64) -> Options {
-        let (width, tile) = (self.machine.width(), self.machine.tile(world.film));
-        Options { budget, width, tile, aovs: self.aovs, output_seconds }
+        let film = world.film;
+        let tile = if self.adaptive { adaptive_tile(film.width, film.height) } else { self.machine.tile(film) };
+        let (width, adaptive) = (self.machine.width(), self.adaptive);
+        Options { budget, width, tile, aovs: self.aovs, output_seconds, adaptive }
     }
 
     pub(super) fn threads(&self) -> usize {

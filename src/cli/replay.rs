@@ -41,7 +41,7 @@ pub fn run(args: &ReplayArgs) -> Result<bool, CliError> {
             film.width, film.height
         )));
     }
-    let job = Job { x, y, width: 1, height: 1, first_sample: args.sample, samples: 1 };
+    let job = Job { x, y, width: 1, height: 1, first_sample: args.sample, samples: 1, seed: world.seed };
     let recorder = record_tile(&world, &job, args.lanes, None);
     println!("pixel {x},{y} sample {} seed {} of {}", args.sample, world.seed, args.scene.scene.display());
     let records = recorder.records.first().map_or(&[][..], Vec::as_slice);

@@ -1,7 +1,7 @@
 //! Film to OpenEXR: float32, one part, scan lines, written row by row from the film without a copy of the image.
 //!
 //! Channels: `R G B`; `variance.R/G/B` = s²/n where every pixel has two samples or more; with AOVs `albedo.R/G/B`,
-//! `N.X/Y/Z` and `Z`, and `bmc.variance.R/G/B` where a Gaussian process has a belief about its estimates. Extra channels live inside the one part (`Layer.R`), as several readers cannot open others.
+//! `N.X/Y/Z` and `Z`, `samples` where pixels have different numbers of them, and `bmc.variance.R/G/B` where a Gaussian process has a belief about its estimates. Extra channels live inside the one part (`Layer.R`), as several readers cannot open others.
 
 use std::io::{Cursor, Seek, Write};
 use std::path::Path;
@@ -31,6 +31,7 @@ const BLOCKS_IN_FLIGHT: usize = 64;
 const COLOUR: [&str; 3] = ["R", "G", "B"];
 const VARIANCE: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
 const AOVS: [&str; 7] = ["albedo.R", "albedo.G", "albedo.B", "N.X", "N.Y", "N.Z", "Z"];
+const SAMPLES: &str = "samples";
 const POSTERIOR: [&str; 3] = ["bmc.variance.R", "bmc.variance.G", "bmc.variance.B"];
 
 /// Writes the film to `path` (beside it first, then renamed). `attributes` go to the header, together with
@@ -71,13 +72,14 @@ fn channel_names(film: &Film) -> Vec<&'static str> {
     let mut names = COLOUR.to_vec();
     names.extend(VARIANCE.iter().filter(|_| film.samples() >= 2));
     names.extend(AOVS.iter().filter(|_| channels.has_aovs()));
+    names.extend(film.is_uneven().then_some(SAMPLES));
     names.extend(POSTERIOR.iter().filter(|_| channels.has_posterior()));
     names
 }
 
 /// Row `y` in the order of [`channel_names`].
 fn fill_row(film: &Film, with_variance: bool, y: usize, planes: &mut [f32]) {
-    let width = film.width() as usize;
+    let (width, uneven) = (film.width() as usize, film.is_uneven());
     for x in 0..film.width() {
         let pixel = film.pixel(x, y as u32);
         let mut values =
@@ -92,6 +94,7 @@ fn fill_row(film: &Film, with_variance: bool, y: usize, planes: &mut [f32]) {
             aovs.albedo.into_iter().chain(aovs.normal).for_each(&mut put);
             put(aovs.depth);
         }
+        uneven.then_some(pixel.samples as f64).into_iter().for_each(&mut put);
         pixel.posterior_variance().into_iter().flatten().for_each(&mut put);
     }
 }

@@ -68,6 +68,11 @@ impl Film {
         self.tiles.iter().map(TileFilm::samples).min().unwrap_or(0)
     }
 
+    /// Have some pixels more samples than others?
+    pub fn is_uneven(&self) -> bool {
+        self.tiles.iter().any(|tile| tile.samples() != self.tiles[0].samples())
+    }
+
     /// The number of the next sample of the pixels that have least.
     pub fn next_sample(&self) -> u64 {
         self.tiles.iter().map(TileFilm::next_sample).min().unwrap_or(0)

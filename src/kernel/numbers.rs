@@ -7,11 +7,11 @@ use crate::sampling::dimensions::{BOUNCE, CAMERA, OPACITY};
 use crate::sampling::{ONE_BELOW, Sampler};
 
 impl World {
-    /// Starts sample `sample` of `pixel` in `lane`.
+    /// Starts sample `sample` of `pixel` in `lane`. A program's own numbers know no seed.
     #[inline(always)]
-    pub(super) fn seed_numbers<R: Real>(&self, rng: &mut Sampler<R>, lane: usize, pixel: u32, sample: u32) {
+    pub(super) fn seed_numbers<R: Real>(&self, rng: &mut Sampler<R>, lane: usize, seed: u64, pixel: u32, sample: u32) {
         match self.numbers {
-            None => rng.seed_lane(self.sampler, lane, self.seed, pixel, sample),
+            None => rng.seed_lane(self.sampler, lane, seed, pixel, sample),
             Some(_) => rng.name_lane(lane, pixel, sample),
         }
     }

@@ -25,6 +25,8 @@ pub struct Job {
     pub first_sample: u32,
     /// Samples a pixel in this job.
     pub samples: u32,
+    /// Of the camera paths' numbers: the world's, or a pilot's own.
+    pub seed: u64,
 }
 
 impl Job {
@@ -203,7 +205,7 @@ impl<'a, R: Real> CameraQueue<'a, R> {
             let (px, py) = (job.x + self.column, job.y + self.row);
             let pixel = py * self.world.film.width + px;
             let sample = job.first_sample + self.sample;
-            self.world.seed_numbers(&mut rng, made, pixel, sample);
+            self.world.seed_numbers(&mut rng, made, job.seed, pixel, sample);
             x.set_lane(made, px as f32);
             y.set_lane(made, py as f32);
             slot.set_lane(made, self.slot);

@@ -181,6 +181,17 @@ impl World {
         self
     }
 
+    /// Why all pixels must have the same number of samples, and what to do; `None` if they need not.
+    pub fn needs_equal_samples(&self) -> Option<&'static str> {
+        if self.light_paths.is_some() {
+            return Some(
+                "paths from the lights reach every pixel alike; give --light-paths off, or leave --adaptive out",
+            );
+        }
+        let gathers = self.integrator.kind == IntegratorKind::Gather;
+        gathers.then_some("directions that `gather` shares are no samples of a pixel alone; leave --adaptive out")
+    }
+
     /// The closest hits. One copy a width and mode, called: kernels stay small, and profiles tell traversal apart.
     #[inline(never)]
     pub fn closest<R: Real, M: Mode>(&self, ray: &Ray<R>, active: R::Mask) -> Hit<R> {

@@ -1,7 +1,9 @@
 //! From a prepared [`World`] to a [`Film`]: passes over tiles in a thread pool of our own, until a budget is spent.
 
+pub mod adaptive;
 pub mod budget;
 pub mod interrupt;
+mod pass;
 mod phase;
 mod progress;
 mod splats;
@@ -16,18 +18,15 @@ pub use progress::Progress;
 pub use state::{State, StateError};
 pub use summary::{Summary, Times};
 
-use crate::film::{AovSample, Film, FilmChannels, TileFilm};
-use crate::kernel::{Counters, Job, LightKernel, SampleBuffer, Width, World, select, select_light};
+use crate::film::{Film, FilmChannels, TileFilm};
+use crate::kernel::{Counters, Job, SampleBuffer, Width, World, select, select_light};
 use crate::lane::float_mode;
 use crate::process::{allowed_cores, pin_to_core, seconds_since_process_start};
+use adaptive::{AdaptiveReport, Rates};
 use budget::Pacer;
+use pass::Pass;
 use rayon::prelude::*;
-use splats::Splats;
-use std::cell::RefCell;
 use std::time::Instant;
-
-/// Samples a worker renders before it hands them to the film: their slots (12 bytes each) stay in the L2 cache.
-const JOB_SLOTS: u32 = 16_384;
 
 /// How to render, apart from what the scene says.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +42,9 @@ pub struct Options {
     /// Seconds to keep in reserve for writing the image, where time is limited and [`Watch::output_seconds`] knows
     /// nothing better.
     pub output_seconds: f64,
+    /// Divide the samples by a [pilot](adaptive): the film must be empty and begin with sample 0, the integrator follow
+    /// paths, none of them from the lights.
+    pub adaptive: bool,
 }
 
 /// Small tiles balance the load of a small image; large ones drain their lanes less often.
@@ -60,6 +62,15 @@ pub struct Outcome {
     pub counters: Counters,
     /// From the first sample traced to the finished film.
     pub render_seconds: f64,
+    /// Where samples were divided.
+    pub adaptive: Option<AdaptiveReport>,
+}
+
+impl Outcome {
+    /// Samples of every pixel, or where they were [divided](Outcome::adaptive), their mean, rounded.
+    pub fn samples_per_pixel(&self) -> u64 {
+        self.adaptive.map_or(self.film.samples(), |adaptive| adaptive.mean.round() as u64)
+    }
 }
 
 /// Worker threads, pinned to nothing, none of them the global pool's, each with the default
@@ -143,30 +154,29 @@ pub fn render_by(
     progress: &mut Progress,
     watch: &mut dyn Watch,
 ) -> Outcome {
-    let aovs = film.channels().has_aovs();
-    let most = film.samples() + (budget::MAX_SAMPLES - film.next_sample());
-    let samples = Some(options.budget.samples.unwrap_or(most).min(most));
-    let mut pacer = Pacer::new(Budget { samples, ..options.budget });
-    let light = select_light(world, options.width);
-    let mut counters = Counters::default();
+    let pass = Pass { world, kernel, light: select_light(world, options.width), aovs: film.channels().has_aovs() };
     let mut output = options.output_seconds;
     let mut first_pass = true;
     let start = Instant::now();
     // Fresh memory costs page faults, which would pass for the price of samples.
     pool.install(|| film.tiles_mut().par_iter_mut().for_each(TileFilm::begin));
+    let rates = options.adaptive.then(|| pool.install(|| Rates::find(&pass, &film, &options.budget))).flatten();
+    let mut counters = rates.as_ref().map_or(Counters::default(), |rates| rates.counters);
+    let (mut done, mut next) = (film.samples(), film.next_sample());
+    let most = done + rates.as_ref().map_or(budget::MAX_SAMPLES, |_| Rates::MOST_SAMPLES) - next;
+    let samples = Some(options.budget.samples.unwrap_or(most).min(most));
+    let mut pacer = Pacer::new(Budget { samples, ..options.budget });
     let stopped_by = loop {
-        let samples = match pacer.next(film.samples(), seconds_since_process_start(), output) {
+        let samples = match pacer.next(done, seconds_since_process_start(), output) {
             Ok(samples) => samples,
             Err(reason) => break reason,
         };
         let pass_start = Instant::now();
-        let pass = Pass { world, kernel, light, aovs };
-        let first = film.next_sample();
-        counters.add(&pool.install(|| pass.run(film.tiles_mut(), first, first + samples)));
+        counters.add(&pool.install(|| pass.run(film.tiles_mut(), rates.as_ref(), next, next + samples)));
         if interrupt::presses() > 0 {
             break StoppedBy::Interrupt;
         }
-        let done = film.samples();
+        (done, next) = (done + samples, next + samples);
         pacer.learn(samples, pass_start.elapsed().as_secs_f64(), done);
         if std::mem::take(&mut first_pass) && options.budget.seconds.is_some() {
             output = watch.output_seconds(&film).unwrap_or(output);
@@ -179,72 +189,7 @@ pub fn render_by(
             break StoppedBy::Error;
         }
     };
-    Outcome { film, stopped_by, counters, render_seconds: start.elapsed().as_secs_f64() }
-}
-
-/// Rounds over the film.
-struct Pass<'a> {
-    world: &'a World,
-    kernel: JobKernel<'a>,
-    light: Option<LightKernel>,
-    aovs: bool,
-}
-
-thread_local! {
-    /// A worker's sample slots, kept between jobs.
-    static SLOTS: RefCell<SampleBuffer> = RefCell::new(SampleBuffer::default());
-}
-
-impl Pass<'_> {
-    /// Samples `first … end` of all tiles.
-    fn run(&self, tiles: &mut [TileFilm], first: u64, end: u64) -> Counters {
-        let Some(light) = self.light else { return self.render_tiles(tiles, first, end, None) };
-        let mut counters = Counters::default();
-        let at_once = Splats::samples_at_once(self.world);
-        for from in (first..end).step_by(at_once as usize) {
-            let to = end.min(from + at_once);
-            let Some(splats) = Splats::trace(self.world, light, from, to - from, &mut counters) else { break };
-            counters.add(&self.render_tiles(tiles, from, to, Some(&splats)));
-        }
-        counters
-    }
-
-    fn render_tiles(&self, tiles: &mut [TileFilm], first: u64, end: u64, splats: Option<&Splats>) -> Counters {
-        let add = |mut a: Counters, b: Counters| {
-            a.add(&b);
-            a
-        };
-        tiles.par_iter_mut().map(|tile| self.render_tile(tile, first, end, splats)).reduce(Counters::default, add)
-    }
-
-    /// Renders samples of one tile, as many at a time as the cache holds; none once the user interrupts.
-    fn render_tile(&self, tile: &mut TileFilm, first: u64, end: u64, splats: Option<&Splats>) -> Counters {
-        let rect = tile.rect();
-        let at_once = (JOB_SLOTS / (rect.width * rect.height)).max(1) as u64;
-        let mut counters = Counters::default();
-        // An interrupted pass left some tiles ahead of others.
-        let mut first = first.max(tile.next_sample());
-        while first < end && interrupt::presses() == 0 {
-            let samples = at_once.min(end - first);
-            let job = Job {
-                x: rect.x,
-                y: rect.y,
-                width: rect.width,
-                height: rect.height,
-                first_sample: first as u32,
-                samples: samples as u32,
-            };
-            SLOTS.with_borrow_mut(|slots| {
-                slots.reset(job.slots(), self.aovs);
-                (self.kernel)(self.world, &job, slots, &mut counters);
-                if let Some(splats) = splats {
-                    splats.add_to(rect, first, samples as usize, &mut slots.rgb);
-                }
-                let aovs: &[AovSample] = slots.features.as_deref().unwrap_or(&[]);
-                tile.add_samples(first, samples as usize, &slots.rgb, aovs);
-            });
-            first += samples;
-        }
-        counters
-    }
+    let render_seconds = start.elapsed().as_secs_f64();
+    let adaptive = rates.map(|rates| pool.install(|| rates.report(&film)));
+    Outcome { film, stopped_by, counters, render_seconds, adaptive }
 }

@@ -1,5 +1,6 @@
 //! What a render reports: the JSON file, and the lines a person reads at the end.
 
+use super::adaptive::AdaptiveReport;
 use super::{Options, Outcome, StoppedBy};
 use crate::film::{Discarded, SampleShares};
 use crate::kernel::{Counters, Setup, World};
@@ -27,6 +28,8 @@ pub struct Summary {
     pub seed: u64,
     pub sampler: SamplerKind,
     pub samples_per_pixel: u64,
+    /// Where tiles have numbers of samples of their own; [`Summary::samples_per_pixel`] is then their mean.
+    pub adaptive: Option<AdaptiveReport>,
     /// Of these, held at the start: from a state.
     pub resumed_samples: u64,
     pub stopped_by: StoppedBy,
@@ -90,7 +93,8 @@ impl Summary {
             tile: options.tile,
             seed: world.seed,
             sampler: world.sampler,
-            samples_per_pixel: outcome.film.samples(),
+            samples_per_pixel: outcome.samples_per_pixel(),
+            adaptive: outcome.adaptive,
             resumed_samples: 0,
             stopped_by: outcome.stopped_by,
             claim: outcome.stopped_by.claim(),
@@ -131,6 +135,9 @@ impl fmt::Display for Summary {
             "{} × {}, {} samples per pixel, stopped by {:?} ({})",
             self.width, self.height, self.samples_per_pixel, self.stopped_by, self.claim
         )?;
+        if let Some(adaptive) = &self.adaptive {
+            writeln!(f, "{adaptive}")?;
+        }
         if let Some(note) = self.note {
             writeln!(f, "{note}")?;
         }

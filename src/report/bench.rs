@@ -73,7 +73,7 @@ impl<'a> Run<'a> {
     pub(super) fn new(world: &'a World, width: Width, threads: usize, pool: std::sync::Arc<rayon::ThreadPool>) -> Self {
         let tile = render::default_tile(world.film.width, world.film.height);
         let budget = Budget { samples: Some(1), ..Budget::default() };
-        let options = Options { budget, width, tile, aovs: false, output_seconds: 0.0 };
+        let options = Options { budget, width, tile, aovs: false, output_seconds: 0.0, adaptive: false };
         Run { world, options, threads, pool, rates: Vec::new(), cpu_rate: f64::NAN, counters: Counters::default() }
     }
 

@@ -1,5 +1,6 @@
 //! The command line as a user meets it: files written, reports, exit codes, one-line errors.
 
+mod adaptive;
 mod bad_input;
 mod budgets;
 mod check;

@@ -127,6 +127,7 @@ fn directions_that_cannot_bring_light_are_not_traced() {
         tile: 16,
         aovs: false,
         output_seconds: 0.0,
+        adaptive: false,
     };
     let outcome = octolux::render::render(&world, &options, &pool, &mut octolux::render::Progress::quiet());
     assert_eq!(outcome.counters.bounce_rays, 0);

@@ -17,7 +17,7 @@ fn with_features(scene: &Scene, width: Width, samples: u64) -> Film {
     let options = Prepare { seed: SEED, ..Prepare::default() };
     let world = World::new(scene, Plan::new(scene, Force::default(), true), options).expect("a world");
     let budget = Budget { samples: Some(samples), ..Budget::default() };
-    let options = Options { budget, width, tile: 16, aovs: true, output_seconds: 0.0 };
+    let options = Options { budget, width, tile: 16, aovs: true, output_seconds: 0.0, adaptive: false };
     let pool = render::thread_pool(1).expect("a thread");
     render::render(&world, &options, &pool, &mut Progress::quiet()).film
 }

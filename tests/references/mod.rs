@@ -11,6 +11,7 @@ mod replicates;
 
 use crate::renders;
 use blocks::Part;
+use octolux::kernel::{Width, World};
 use octolux::scene::{self, Environment, EnvironmentImage, LightPaths, Scene};
 use reference::Reference;
 use replicates::Replicates;
@@ -28,6 +29,9 @@ struct Case {
 
 /// Renders of each scene: degrees of freedom of the spread are one less.
 const SEEDS: u64 = 32;
+
+/// The same of the costlier renders with divided samples.
+const ADAPTIVE_SEEDS: u64 = 12;
 
 const CASES: [Case; 11] = [
     Case { name: "cornell", samples: 8, blocks: 16, c: Some(0.273) },
@@ -47,12 +51,12 @@ const CASES: [Case; 11] = [
 /// the noise of their edges. Pixels below this see none.
 const NO_LAMP: f64 = 2.0;
 
-/// Means tested here, at most: three channels of every image and block, with and without light paths, and of the pixels without a
-/// lamp.
+/// Means tested here, at most: three channels of every image and block, with and without light paths and with divided
+/// samples, and of the pixels without a lamp.
 const TESTS: usize = {
     let (mut tests, mut i) = (3, 0);
     while i < CASES.len() {
-        tests += 2 * 3 * (1 + CASES[i].blocks * CASES[i].blocks) as usize;
+        tests += 3 * 3 * (1 + CASES[i].blocks * CASES[i].blocks) as usize;
         i += 1;
     }
     tests
@@ -140,6 +144,21 @@ fn glass_without_light_paths() {
         scene.integrator.light_paths = LightPaths::Off;
         scene
     });
+}
+
+/// Samples divided by a pilot: no bias in any block, and at most half the error.
+#[test]
+fn veach_mis_adaptive() {
+    const SAMPLES: u64 = 32;
+    let Some((case, scene, reference)) = load("veach_mis") else { return };
+    let render = |world: &World| renders::adaptive(world, SAMPLES, Width::native(), None).film;
+    let replicates = Replicates::render_by(&scene, ADAPTIVE_SEEDS, render);
+    blocks::check(&replicates, &reference, "veach_mis, adaptive", &[Part::whole(&reference)], TESTS);
+    blocks::check(&replicates, &reference, "veach_mis, adaptive", &Part::blocks(&reference, case.blocks), TESTS);
+    let even = Replicates::render(&scene, SAMPLES, 4).relmse(&reference) - reference.relmse_floor;
+    let found = replicates.relmse(&reference) - reference.relmse_floor;
+    println!("veach_mis, {SAMPLES} samples: relMSE {found:.2e} adaptive, {even:.2e} even");
+    assert!(found < 0.5 * even, "dividing the samples gained {:.2} alone", even / found);
 }
 
 /// With the environment's rows where the reference has them: no allowance is needed.

@@ -2,6 +2,8 @@
 
 use super::reference::Reference;
 use crate::renders;
+use octolux::film::Film;
+use octolux::kernel::World;
 use octolux::scene::Scene;
 
 /// Which seeds: fixed once and for all.
@@ -18,16 +20,21 @@ pub struct Replicates {
 
 impl Replicates {
     pub fn render(scene: &Scene, samples: u64, seeds: u64) -> Self {
+        Self::render_by(scene, seeds, |world| renders::film(world, samples))
+    }
+
+    pub fn render_by(scene: &Scene, seeds: u64, render: impl Fn(&World) -> Film) -> Self {
         let (width, height) = (scene.film.width, scene.film.height);
         let mut world = renders::world(scene, 0);
         let mut sample_variance = vec![[0.0; 3]; (width * height) as usize];
         let images = (FIRST_SEED..FIRST_SEED + seeds).map(|seed| {
             world.seed = seed;
-            let film = renders::film(&world, samples);
+            let film = render(&world);
             let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
             for ((x, y), sum) in places.clone().zip(&mut sample_variance) {
                 let variance = film.variance_of_mean(x, y).expect("two samples or more");
-                *sum = std::array::from_fn(|c| sum[c] + variance[c] * (samples as f64 / seeds as f64));
+                let samples = film.pixel(x, y).samples as f64;
+                *sum = std::array::from_fn(|c| sum[c] + variance[c] * (samples / seeds as f64));
             }
             places.map(|(x, y)| film.mean(x, y)).collect()
         });

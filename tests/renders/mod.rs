@@ -7,9 +7,9 @@ pub use image::{assert_image_mean, image_mean};
 pub use set::{Point, Set};
 
 use octolux::film::Film;
-use octolux::kernel::{Prepare, Width, World};
+use octolux::kernel::{self, Prepare, Width, World};
 use octolux::plan::{Force, Plan};
-use octolux::render::{self, Budget, Options, Progress};
+use octolux::render::{self, Budget, JobKernel, Options, Outcome, Progress};
 use octolux::sampling::SamplerKind;
 use octolux::scene::Scene;
 use std::sync::OnceLock;
@@ -50,11 +50,34 @@ pub fn film(world: &World, samples: u64) -> Film {
 
 pub fn film_on(pool: &rayon::ThreadPool, world: &World, samples: u64, how: How) -> Film {
     let budget = Budget { samples: Some(samples), ..Budget::default() };
-    let options = Options { budget, width: how.width, tile: how.tile, aovs: false, output_seconds: 0.0 };
-    let film = render::render(world, &options, pool, &mut Progress::quiet()).film;
+    let film = render::render(world, &options(how, budget, false), pool, &mut Progress::quiet()).film;
     assert_eq!(film.samples(), samples);
     assert_eq!(film.discarded().count, 0, "samples that are not finite: {:?}", film.discarded());
     film
+}
+
+fn options(how: How, budget: Budget, adaptive: bool) -> Options {
+    Options { budget, width: how.width, tile: how.tile, aovs: false, output_seconds: 0.0, adaptive }
+}
+
+/// With samples divided by a pilot among tiles of four pixels a side, `samples` a pixel on average; by a kernel of one's
+/// own if there is one.
+pub fn adaptive(world: &World, samples: u64, width: Width, kernel: Option<JobKernel>) -> Outcome {
+    adaptive_on(shared_pool(), world, samples, width, kernel)
+}
+
+pub fn adaptive_on(
+    pool: &rayon::ThreadPool,
+    world: &World,
+    samples: u64,
+    width: Width,
+    kernel: Option<JobKernel>,
+) -> Outcome {
+    let budget = Budget { samples: Some(samples), ..Budget::default() };
+    let options = options(How { width, tile: 4 }, budget, true);
+    let film = render::empty_film(world, &options, 0);
+    let of_world = kernel::select(world, width);
+    render::render_by(kernel.unwrap_or(&of_world), film, world, &options, pool, &mut Progress::quiet(), &mut ())
 }
 
 fn shared_pool() -> &'static rayon::ThreadPool {

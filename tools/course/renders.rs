@@ -102,6 +102,7 @@ pub fn film_with(pool: &rayon::ThreadPool, world: &World, samples: u64, aovs: bo
         tile: render::default_tile(world.film.width, world.film.height),
         aovs,
         output_seconds: 0.0,
+        adaptive: false,
     };
     let outcome = render::render(world, &options, pool, &mut Progress::quiet());
     (outcome.film, outcome.render_seconds)

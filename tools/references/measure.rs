@@ -103,6 +103,7 @@ pub fn measure(folder: &Path, name: &str, settings: &Settings) -> Result<Measure
         tile: render::default_tile(scene.film.width, scene.film.height),
         aovs: false,
         output_seconds: 0.0,
+        adaptive: false,
     };
     let (mut seconds, mut paths, mut discarded) = (0.0, 0, 0);
     let (mut relmse, mut mean, mut variance) = (Vec::new(), [0.0; 3], [0.0; 3]);

@@ -29,7 +29,7 @@ fn film(scene: &Scene, width: Width, samples: u64) -> Film {
     let world = World::new(scene, plan, Prepare { seed: 7, ..Prepare::default() });
     let world = world.unwrap_or_else(|error| unreachable!("{error}"));
     let budget = Budget { samples: Some(samples), ..Budget::default() };
-    let options = Options { budget, width, tile: 16, aovs: false, output_seconds: 0.0 };
+    let options = Options { budget, width, tile: 16, aovs: false, output_seconds: 0.0, adaptive: false };
     let pool = render::thread_pool(1).unwrap_or_else(|error| unreachable!("{error}"));
     render::render(&world, &options, &pool, &mut Progress::quiet()).film
 }

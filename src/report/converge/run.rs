@@ -229,7 +229,7 @@ fn save(folder: &Path, variant: &Variant, key: CellKey, outcome: &Outcome) -> Re
     let image = format!("cells/{}.exr", checksum(format!("{key:?}").as_bytes()));
     let attributes = [
         ("octolux.variant".to_owned(), Attribute::Text(key.variant.clone())),
-        ("octolux.samples".to_owned(), Attribute::Integer(outcome.film.samples())),
+        ("octolux.samples".to_owned(), Attribute::Integer(outcome.samples_per_pixel())),
         ("octolux.seed".to_owned(), Attribute::Integer(key.seed)),
     ];
     let start = Instant::now();
@@ -239,7 +239,7 @@ fn save(folder: &Path, variant: &Variant, key: CellKey, outcome: &Outcome) -> Re
     let output_seconds = start.elapsed().as_secs_f64();
     let error = variant.pool.install(|| outcome.film.relative_error());
     Ok(Cell {
-        samples_per_pixel: outcome.film.samples(),
+        samples_per_pixel: outcome.samples_per_pixel(),
         render_seconds: outcome.render_seconds,
         output_seconds,
         paths: outcome.counters.camera_rays,

@@ -1,0 +1,340 @@
+//! Adaptive sampling: more samples for tiles where they lower the relative error most.
+//!
+//! A pilot of a few replicates, each of a seed of its own, tells each tile's error and what its samples cost; its samples
+//! are then thrown away. So the number of a pixel's samples is chosen without a look at them, and the estimate is as
+//! unbiased as with equal numbers (two-stage sampling; that a pilot which is kept would bias the mean: Kirk & Arvo 1991,
+//! "Unbiased sampling techniques for image synthesis"). Replicates see what even points err by, which s²/n does not.
+//!
+//! The sum of vᵢ/nᵢ is least for a given sum of cᵢ nᵢ where nᵢ goes with √(vᵢ/cᵢ) (Neyman 1934). What the pilot says is
+//! believed as far as its two halves agree on it, the reliability of a test in halves (Spearman 1910, Brown 1910); the rest
+//! of the samples is spread evenly, a tenth at least, as a pilot may have missed what is rare.
+
+use super::budget::{Budget, MAX_SAMPLES};
+use super::pass::{Pass, SLOTS};
+use crate::film::{Film, Rect};
+use crate::kernel::{Counters, Job};
+use crate::sampling::child_key;
+use rayon::prelude::*;
+use std::fmt;
+use std::time::Instant;
+
+/// Independent renders that the pilot consists of.
+const REPLICATES: u32 = 4;
+/// Sets the pilot's seeds apart.
+const PILOT_SEED: u32 = 0x4164_6170;
+/// The pilot takes at most one in so many samples or seconds.
+const PILOT_SHARE: u64 = 8;
+/// Samples of a replicate: no more than this, however large the budget …
+const MOST_SAMPLES: u64 = 64;
+/// … and where the budget is in seconds, these, or one if they would last too long.
+const TIMED_SAMPLES: u64 = 4;
+/// Weight of an even share beside the pilot's, at least.
+const EVEN_SHARE: f64 = 0.1;
+/// Numbers of samples go from 2^LEAST to 2^MOST times the average: powers of two, at which Sobol' points are most even.
+const LEAST: i32 = -3;
+const MOST: i32 = 4;
+/// Tiles across a square of the pilot: as many paths at once as keep the lanes full.
+const SQUARE: u32 = 4;
+
+/// Side of the tiles whose numbers of samples differ, in pixels. Smaller ones follow edges closer, and keep fewer lanes busy.
+pub fn adaptive_tile(width: u32, height: u32) -> u32 {
+    if width.max(height) <= 512 { 4 } else { 8 }
+}
+
+/// How samples were divided, and what shows whether that biased them.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct AdaptiveReport {
+    /// Samples a pixel of the pilot; they are not in the image.
+    pub pilot_samples: u64,
+    /// Seconds it took.
+    pub pilot_seconds: f64,
+    /// Fewest samples of a pixel.
+    pub least: u64,
+    /// Most.
+    pub most: u64,
+    /// Their mean over pixels.
+    pub mean: f64,
+    /// Mean of the image over the pilot's, less 1: about 0 where dividing the samples added no bias.
+    pub bias: f64,
+    /// Half the width of a 95 % interval around it.
+    pub bias_half_width: f64,
+}
+
+impl fmt::Display for AdaptiveReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "adaptive: {} to {} samples a pixel, {:.1} on average, after a pilot of {} ({:.3} s, thrown away); bias as measured: {:+.2} ± {:.2} % of the pilot's mean",
+            self.least,
+            self.most,
+            self.mean,
+            self.pilot_samples,
+            self.pilot_seconds,
+            100.0 * self.bias,
+            100.0 * self.bias_half_width
+        )
+    }
+}
+
+/// How many samples each tile gets, relative to the average.
+pub(super) struct Rates {
+    /// Tile by tile: the factor is 2 to this.
+    exponents: Vec<i32>,
+    /// What the pilot took and found.
+    pub samples: u64,
+    pub seconds: f64,
+    pub counters: Counters,
+    mean: f64,
+    variance: f64,
+}
+
+impl Rates {
+    /// Samples that a tile of average rate may have.
+    pub const MOST_SAMPLES: u64 = MAX_SAMPLES >> MOST;
+
+    /// By a pilot that takes an eighth of the budget at most; `None` if that is too little for one, or the user
+    /// interrupts. In the current thread pool.
+    pub fn find(pass: &Pass, film: &Film, budget: &Budget) -> Option<Self> {
+        let start = Instant::now();
+        let count = match budget.samples {
+            Some(samples) => replicate_samples(samples).or_else(|| too_few(samples))?,
+            None => TIMED_SAMPLES,
+        };
+        let mut pilot = None;
+        if let Some(limit) = budget.seconds {
+            let least = Pilot::run(pass, film, 1)?;
+            let left = limit / PILOT_SHARE as f64 - start.elapsed().as_secs_f64();
+            if left < 0.0 {
+                return None;
+            }
+            pilot = (start.elapsed().as_secs_f64() * count as f64 > left).then_some(least);
+        }
+        let pilot = match pilot {
+            Some(pilot) => pilot,
+            None => Pilot::run(pass, film, count)?,
+        };
+        Some(pilot.rates(film, start.elapsed().as_secs_f64()))
+    }
+
+    /// One past the last sample of a tile where the average tile's is `end`.
+    pub fn end(&self, tile: usize, end: u64) -> u64 {
+        let exponent = self.exponents[tile];
+        if exponent < 0 { end >> -exponent } else { end << exponent }
+    }
+
+    /// Of the finished film.
+    pub fn report(&self, film: &Film) -> AdaptiveReport {
+        let pixels = f64::from(film.width()) * f64::from(film.height());
+        let tiles = film.tiles().iter();
+        let samples: f64 = tiles.clone().map(|tile| tile.samples() as f64 * tile.rect().pixels() as f64).sum();
+        let (mean, variance) = mean_of_film(film);
+        // Nothing to compare where the image is black.
+        let scale = if self.mean == 0.0 { 0.0 } else { 1.0 / self.mean };
+        AdaptiveReport {
+            pilot_samples: self.samples,
+            pilot_seconds: self.seconds,
+            least: film.samples(),
+            most: tiles.map(|tile| tile.samples()).max().unwrap_or(0),
+            mean: samples / pixels.max(1.0),
+            bias: (mean - self.mean) * scale,
+            bias_half_width: 1.96 * (variance + self.variance).sqrt() * scale.abs(),
+        }
+    }
+}
+
+fn too_few(samples: u64) -> Option<u64> {
+    let least = PILOT_SHARE * u64::from(REPLICATES);
+    log::warn!("{samples} samples are too few to be divided by a pilot ({least} are needed): every pixel gets as many");
+    None
+}
+
+/// Samples of each replicate for a budget: a power of two, all replicates together at most an eighth of it.
+fn replicate_samples(budget: u64) -> Option<u64> {
+    let most = (budget / (PILOT_SHARE * u64::from(REPLICATES))).min(MOST_SAMPLES);
+    (most > 0).then(|| 1 << most.ilog2())
+}
+
+/// Mean over pixels and channels, and its variance.
+fn mean_of_film(film: &Film) -> (f64, f64) {
+    let rows: Vec<[f64; 2]> = (0..film.height())
+        .into_par_iter()
+        .map(|y| {
+            (0..film.width()).fold([0.0; 2], |[mean, variance], x| {
+                let pixel = film.pixel(x, y);
+                let spread: f64 = pixel.variance_of_mean().map_or(0.0, |v| v.iter().sum());
+                // Channels of a pixel come of the same paths: as if they were one.
+                [mean + pixel.mean().iter().sum::<f64>(), variance + 3.0 * spread]
+            })
+        })
+        .collect();
+    let [mean, variance] = rows.iter().fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+    let values = (3 * film.width() as u64 * film.height() as u64).max(1) as f64;
+    (mean / values, variance / (values * values))
+}
+
+/// What the replicates found of squares of tiles.
+struct Pilot {
+    squares: Vec<Square>,
+    across: u32,
+    side: u32,
+    samples: u64,
+}
+
+/// What they found of one.
+struct Square {
+    rect: Rect,
+    /// Of each pixel, summed over channels: variance of a replicate's mean over mean² + 0.01, by all replicates, by the
+    /// first half of them and by the second.
+    error: Vec<[f64; 3]>,
+    /// Sums over pixels and channels: of the mean of all replicates, and of its variance.
+    mean: f64,
+    variance: f64,
+    counters: Counters,
+}
+
+impl Pilot {
+    fn run(pass: &Pass, film: &Film, samples: u64) -> Option<Self> {
+        let side = film.tile_side() * SQUARE;
+        let (width, height) = (film.width(), film.height());
+        let (across, down) = (width.div_ceil(side), height.div_ceil(side));
+        let corners: Vec<_> = (0..down).flat_map(|j| (0..across).map(move |i| (i * side, j * side))).collect();
+        let rects = corners.into_par_iter().map(|(x, y)| Rect {
+            x,
+            y,
+            width: side.min(width - x),
+            height: side.min(height - y),
+        });
+        let squares = rects.map(|rect| Square::run(pass, rect, samples as u32)).collect();
+        let whole = super::interrupt::presses() == 0;
+        whole.then_some(Pilot { squares, across, side, samples: samples * u64::from(REPLICATES) })
+    }
+
+    /// The square of a tile.
+    fn square(&self, tile: Rect) -> &Square {
+        &self.squares[(tile.y / self.side * self.across + tile.x / self.side) as usize]
+    }
+
+    fn rates(&self, film: &Film, seconds: f64) -> Rates {
+        let rects: Vec<Rect> = film.tiles().iter().map(|tile| tile.rect()).collect();
+        let pixels: f64 = rects.iter().map(|rect| rect.pixels() as f64).sum();
+        let found: Vec<[f64; 3]> = rects.iter().map(|&rect| self.square(rect).weights(rect)).collect();
+        let sum: f64 = found.iter().zip(&rects).map(|([weight, ..], rect)| weight * rect.pixels() as f64).sum();
+        let mean = if sum > 0.0 { sum / pixels } else { 1.0 };
+        let even = (1.0 - reliability(&found)).max(EVEN_SHARE);
+        let weights: Vec<f64> = found.iter().map(|[weight, ..]| even * mean + (1.0 - even) * weight).collect();
+        let mut counters = Counters::default();
+        self.squares.iter().for_each(|square| counters.add(&square.counters));
+        let values = 3.0 * pixels.max(1.0);
+        Rates {
+            exponents: exponents(&weights, &rects),
+            samples: self.samples,
+            seconds,
+            counters,
+            mean: self.squares.iter().map(|square| square.mean).sum::<f64>() / values,
+            variance: self.squares.iter().map(|square| square.variance).sum::<f64>() / (values * values),
+        }
+    }
+}
+
+impl Square {
+    fn run(pass: &Pass, rect: Rect, samples: u32) -> Self {
+        let mut means = vec![[[0.0; 3]; REPLICATES as usize]; rect.pixels()];
+        let mut counters = Counters::default();
+        for replicate in 0..REPLICATES {
+            let seed = child_key(pass.world.seed, PILOT_SEED + replicate);
+            let Rect { x, y, width, height } = rect;
+            let job = Job { x, y, width, height, first_sample: 0, samples, seed };
+            SLOTS.with_borrow_mut(|slots| {
+                slots.reset(job.slots(), pass.aovs);
+                if super::interrupt::presses() == 0 {
+                    (pass.kernel)(pass.world, &job, slots, &mut counters);
+                }
+                for (pixel, slots) in means.iter_mut().zip(slots.rgb.chunks_exact(samples as usize)) {
+                    pixel[replicate as usize] = mean(slots);
+                }
+            });
+        }
+        let mut square = Square { rect, error: Vec::with_capacity(means.len()), mean: 0.0, variance: 0.0, counters };
+        means.iter().for_each(|replicates| square.add(replicates));
+        square
+    }
+
+    /// The next pixel.
+    fn add(&mut self, replicates: &[[f64; 3]; REPLICATES as usize]) {
+        let (first, second) = replicates.split_at(replicates.len() / 2);
+        let mut error = [0.0; 3];
+        for c in 0..3 {
+            let mean = mean_and_variance(replicates, c)[0];
+            for (error, part) in error.iter_mut().zip([replicates, first, second]) {
+                *error += mean_and_variance(part, c)[1] / (mean * mean + 0.01);
+            }
+            self.mean += mean;
+            // Channels of a pixel come of the same paths: as if they were one.
+            self.variance += 3.0 * mean_and_variance(replicates, c)[1] / f64::from(REPLICATES);
+        }
+        self.error.push(error);
+    }
+
+    /// √(error of a pixel / rays of a sample), of a tile in this square: by all replicates, and by each half of them.
+    fn weights(&self, tile: Rect) -> [f64; 3] {
+        let mut error = [0.0; 3];
+        for y in tile.y..tile.y + tile.height {
+            let first = self.rect.index_of(tile.x, y);
+            for pixel in &self.error[first..first + tile.width as usize] {
+                error = std::array::from_fn(|k| error[k] + pixel[k]);
+            }
+        }
+        let rays = self.counters.rays().max(1) as f64 / self.counters.camera_rays.max(1) as f64;
+        error.map(|error| (error / tile.pixels() as f64 / rays).sqrt())
+    }
+}
+
+/// Of one channel, the variance that of a single value.
+fn mean_and_variance(values: &[[f64; 3]], channel: usize) -> [f64; 2] {
+    let n = values.len() as f64;
+    let mean = values.iter().map(|value| value[channel]).sum::<f64>() / n;
+    [mean, values.iter().map(|value| (value[channel] - mean).powi(2)).sum::<f64>() / (n - 1.0)]
+}
+
+/// Share of the weights' variance that is theirs and not the pilot's: 2r/(1 + r), r the correlation between the weights
+/// that each half of the replicates gives; 0 if there is none.
+fn reliability(weights: &[[f64; 3]]) -> f64 {
+    let n = weights.len().max(1) as f64;
+    let mean = |k: usize| weights.iter().map(|w| w[k]).sum::<f64>() / n;
+    let [first, second] = [mean(1), mean(2)];
+    let product = |f: fn(f64, f64) -> f64| weights.iter().map(|w| f(w[1] - first, w[2] - second)).sum::<f64>();
+    let scale = (product(|a, _| a * a) * product(|_, b| b * b)).sqrt();
+    let correlation = if scale > 0.0 { (product(|a, b| a * b) / scale).max(0.0) } else { 0.0 };
+    2.0 * correlation / (1.0 + correlation)
+}
+
+/// Of the finite ones: the others count as zero, as on a film.
+fn mean(samples: &[[f32; 3]]) -> [f64; 3] {
+    let finite = samples.iter().filter(|rgb| rgb.iter().all(|value| value.is_finite()));
+    let sum = finite.fold([0.0; 3], |sum: [f64; 3], rgb| std::array::from_fn(|c| sum[c] + f64::from(rgb[c])));
+    sum.map(|sum| sum / samples.len().max(1) as f64)
+}
+
+/// Powers of two nearest to the weights times one factor: the largest at which the mean over pixels is at most 1.
+fn exponents(weights: &[f64], rects: &[Rect]) -> Vec<i32> {
+    let rounded = |factor: f64| -> Vec<i32> { weights.iter().map(|weight| exponent(weight * factor)).collect() };
+    let pixels: f64 = rects.iter().map(|rect| rect.pixels() as f64).sum();
+    let fits = |factor: f64| {
+        let samples =
+            rounded(factor).into_iter().zip(rects).map(|(e, rect)| f64::from(e).exp2() * rect.pixels() as f64);
+        samples.sum::<f64>() <= pixels
+    };
+    let smallest = weights.iter().copied().fold(f64::INFINITY, f64::min).max(f64::MIN_POSITIVE);
+    // With 0 all tiles have the least, which fits; with the other all have the most, which does not.
+    let (mut low, mut high) = (0.0, f64::from(MOST + 1).exp2() / smallest);
+    for _ in 0..64 {
+        let middle = 0.5 * (low + high);
+        *(if fits(middle) { &mut low } else { &mut high }) = middle;
+    }
+    rounded(low)
+}
+
+/// The k of LEAST … MOST whose 2ᵏ is nearest by ratio. By squares: a logarithm may round either way.
+fn exponent(x: f64) -> i32 {
+    (LEAST + 1..=MOST).rev().find(|&k| x * x >= f64::from(2 * k - 1).exp2()).unwrap_or(LEAST)
+}

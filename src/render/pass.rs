@@ -1,0 +1,88 @@
+//! A round over the film: every tile's next samples, in the current thread pool.
+
+use super::JobKernel;
+use super::adaptive::Rates;
+use super::interrupt;
+use super::splats::Splats;
+use crate::film::{AovSample, TileFilm};
+use crate::kernel::{Counters, Job, LightKernel, SampleBuffer, World};
+use rayon::prelude::*;
+use std::cell::RefCell;
+
+/// Samples a worker renders before it hands them to the film: their slots (12 bytes each) stay in the L2 cache.
+const JOB_SLOTS: u32 = 16_384;
+
+/// Rounds over the film.
+pub(super) struct Pass<'a> {
+    pub world: &'a World,
+    pub kernel: JobKernel<'a>,
+    pub light: Option<LightKernel>,
+    pub aovs: bool,
+}
+
+thread_local! {
+    /// A worker's sample slots, kept between jobs.
+    pub(super) static SLOTS: RefCell<SampleBuffer> = RefCell::new(SampleBuffer::default());
+}
+
+impl Pass<'_> {
+    /// Samples `first … end` of all tiles; with rates, of a tile of average rate.
+    pub fn run(&self, tiles: &mut [TileFilm], rates: Option<&Rates>, first: u64, end: u64) -> Counters {
+        if let Some(rates) = rates {
+            let end = |tile: usize| rates.end(tile, end);
+            return total(tiles.par_iter_mut().enumerate().map(|(k, tile)| self.render_tile(tile, 0, end(k), None)));
+        }
+        let Some(light) = self.light else { return self.render_tiles(tiles, first, end, None) };
+        let mut counters = Counters::default();
+        let at_once = Splats::samples_at_once(self.world);
+        for from in (first..end).step_by(at_once as usize) {
+            let to = end.min(from + at_once);
+            let Some(splats) = Splats::trace(self.world, light, from, to - from, &mut counters) else { break };
+            counters.add(&self.render_tiles(tiles, from, to, Some(&splats)));
+        }
+        counters
+    }
+
+    fn render_tiles(&self, tiles: &mut [TileFilm], first: u64, end: u64, splats: Option<&Splats>) -> Counters {
+        total(tiles.par_iter_mut().map(|tile| self.render_tile(tile, first, end, splats)))
+    }
+
+    /// Renders samples of one tile, as many at a time as the cache holds; none once the user interrupts.
+    fn render_tile(&self, tile: &mut TileFilm, first: u64, end: u64, splats: Option<&Splats>) -> Counters {
+        let rect = tile.rect();
+        let at_once = (JOB_SLOTS / (rect.width * rect.height)).max(1) as u64;
+        let mut counters = Counters::default();
+        // An interrupted pass left some tiles ahead of others.
+        let mut first = first.max(tile.next_sample());
+        while first < end && interrupt::presses() == 0 {
+            let samples = at_once.min(end - first);
+            let job = Job {
+                x: rect.x,
+                y: rect.y,
+                width: rect.width,
+                height: rect.height,
+                first_sample: first as u32,
+                samples: samples as u32,
+                seed: self.world.seed,
+            };
+            SLOTS.with_borrow_mut(|slots| {
+                slots.reset(job.slots(), self.aovs);
+                (self.kernel)(self.world, &job, slots, &mut counters);
+                if let Some(splats) = splats {
+                    splats.add_to(rect, first, samples as usize, &mut slots.rgb);
+                }
+                let aovs: &[AovSample] = slots.features.as_deref().unwrap_or(&[]);
+                tile.add_samples(first, samples as usize, &slots.rgb, aovs);
+            });
+            first += samples;
+        }
+        counters
+    }
+}
+
+fn total(of_tiles: impl ParallelIterator<Item = Counters>) -> Counters {
+    of_tiles.reduce(Counters::default, |mut a, b| {
+        a.add(&b);
+        a
+    })
+}

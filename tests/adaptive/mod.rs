@@ -1,0 +1,165 @@
+//! Adaptive sampling: samples go where they help, add no bias, and leave no trace of threads or lanes.
+//!
+//! Most tests render by a kernel of their own, whose samples have a known mean.
+
+use crate::equivalence::{assert_same, scenes};
+use crate::renders::{self, adaptive, adaptive_on};
+use crate::stats;
+use octolux::kernel::{Counters, Job, SampleBuffer, Width, World};
+use octolux::render::thread_pool;
+use octolux::sampling::{SamplerKind, sample_key};
+use octolux::scene::{Bsdf, Camera, Scene, SceneBuilder};
+use std::sync::Mutex;
+
+const SIDE: u32 = 32;
+
+/// What is rendered does not matter to the kernels below: only its size does.
+fn frame() -> Scene {
+    let mut scene = SceneBuilder::new(Camera::towards([0.0, 1.0, 5.0], [0.0, 1.0, 0.0], 40.0), SIDE, SIDE);
+    let clay = scene.material(Bsdf::Diffuse { reflectance: [0.5; 3] });
+    scene.sphere([0.0, 1.0, 0.0], 1.0, clay);
+    scene.environment([1.0; 3]);
+    scene.build().expect("a ball under a sky")
+}
+
+/// A kernel whose sample is a function of the column and a number in [0, 1) of its own.
+fn kernel(value: impl Fn(u32, f64) -> f32 + Sync) -> impl Fn(&World, &Job, &mut SampleBuffer, &mut Counters) + Sync {
+    move |_, job, out, counters| {
+        let mut slots = out.rgb.iter_mut();
+        for y in job.y..job.y + job.height {
+            for x in job.x..job.x + job.width {
+                for (sample, rgb) in (job.first_sample..job.first_sample + job.samples).zip(&mut slots) {
+                    let u = (sample_key(job.seed, y * SIDE + x, sample) >> 11) as f64 * f64::exp2(-53.0);
+                    *rgb = [value(x, u); 3];
+                    counters.camera_rays += 1;
+                }
+            }
+        }
+    }
+}
+
+/// Mean 1: one in 20 samples holds it all, in the right half alone.
+fn rare_on_the_right(x: u32, u: f64) -> f32 {
+    if x < SIDE / 2 {
+        1.0
+    } else if u < 0.05 {
+        20.0
+    } else {
+        0.0
+    }
+}
+
+#[test]
+fn noisy_tiles_have_more_samples_and_the_average_is_what_was_asked_for() {
+    let world = renders::world(&frame(), 3);
+    let outcome = adaptive(&world, 256, Width::native(), Some(&kernel(rare_on_the_right)));
+    let report = outcome.adaptive.expect("256 samples are enough for a pilot");
+    let at = |x: u32, y: u32| outcome.film.pixel(x, y).samples;
+    assert!((0..SIDE).all(|y| (0..SIDE / 2).all(|x| 2 * at(x, y) <= at(SIDE - 1 - x, y))), "quiet tiles have fewer");
+    assert!((0..SIDE).all(|y| (0..SIDE).all(|x| at(x, y).is_power_of_two() && at(x, y) >= 32)), "powers of two");
+    let sum: u64 = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))).map(|(x, y)| at(x, y)).sum();
+    let mean = sum as f64 / f64::from(SIDE * SIDE);
+    assert_eq!(mean, report.mean);
+    assert!((0.9 * 256.0..=256.0).contains(&mean), "{mean} samples on average where 256 were asked for");
+    assert_eq!((report.pilot_samples, report.least, report.most), (32, at(0, 0), at(SIDE - 1, 0)));
+    assert_eq!(outcome.counters.camera_rays, sum + 32 * u64::from(SIDE * SIDE), "the pilot's rays are counted");
+}
+
+/// Mean of the right half and its standard error over seeds, for 1.
+fn right_half<K: Fn(&World, &Job, &mut SampleBuffer, &mut Counters) + Sync>(kernel: impl Fn(u64) -> K) -> [f64; 2] {
+    const SEEDS: u64 = 400;
+    let mut world = renders::world(&frame(), 0);
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for seed in 1..=SEEDS {
+        world.seed = seed;
+        let film = adaptive(&world, 32, Width::native(), Some(&kernel(seed))).film;
+        let right = (0..SIDE).flat_map(|y| (SIDE / 2..SIDE).map(move |x| (x, y)));
+        let mean = right.map(|(x, y)| film.mean(x, y)[0]).sum::<f64>() / f64::from(SIDE * SIDE / 2);
+        sum += mean;
+        squares += mean * mean;
+    }
+    let n = SEEDS as f64;
+    let variance = (squares - sum * sum / n) / (n - 1.0);
+    println!("mean {:.5} ± {:.5} for 1", sum / n, (variance / n).sqrt());
+    [sum / n, (variance / n).sqrt()]
+}
+
+#[test]
+fn dividing_samples_adds_no_bias() {
+    let bound = stats::z_bound(2);
+    let [mean, error] = right_half(|_| kernel(rare_on_the_right));
+    assert!((mean - 1.0).abs() <= bound * error, "mean {mean} ± {error} for 1");
+    // Were the pilot's samples the image's, too, a tile where it found nothing would have few samples, and keep that mean.
+    let [mean, error] = right_half(|seed| {
+        let replicates = Mutex::new(Vec::new());
+        move |world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
+            let mut job = *job;
+            if job.seed != seed {
+                let mut known = replicates.lock().expect("no test thread panics here");
+                let place = known.iter().position(|&seed| seed == job.seed);
+                job.first_sample = place.unwrap_or(known.len()) as u32;
+                if place.is_none() {
+                    known.push(job.seed);
+                }
+                job.seed = seed;
+            }
+            kernel(rare_on_the_right)(world, &job, out, counters);
+        }
+    });
+    assert!(mean < 1.0 - 2.0 * bound * error, "a bias of a pilot that is kept is not seen: {mean} ± {error}");
+}
+
+#[test]
+fn a_pilot_that_tells_nothing_is_not_believed() {
+    // The same everywhere, and rare: what a pilot finds more of in one tile is chance.
+    let rare = kernel(|_, u| if u < 0.01 { 100.0 } else { 0.0 });
+    let report = adaptive(&renders::world(&frame(), 5), 64, Width::native(), Some(&rare)).adaptive.expect("a pilot");
+    assert!(report.least >= 32 && report.most <= 128, "{report:?}");
+    // Nothing to find at all.
+    let quiet = kernel(|_, _| 0.5);
+    let report = adaptive(&renders::world(&frame(), 5), 64, Width::native(), Some(&quiet)).adaptive.expect("a pilot");
+    assert_eq!((report.least, report.most, report.bias), (64, 64, 0.0));
+}
+
+#[test]
+fn the_bias_that_is_reported_is_one() {
+    let world = renders::world(&frame(), 7);
+    let report = |kernel| adaptive(&world, 256, Width::native(), Some(kernel)).adaptive.expect("a pilot");
+    let honest = kernel(rare_on_the_right);
+    let fair = report(&honest);
+    assert!(fair.bias.abs() <= 1.5 * fair.bias_half_width, "{fair:?}");
+    // An image that is a tenth too bright beside its pilot.
+    let own = world.seed;
+    let skewed = |world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
+        honest(world, job, out, counters);
+        if job.seed == own {
+            out.rgb.iter_mut().for_each(|rgb| *rgb = rgb.map(|value| 1.1 * value));
+        }
+    };
+    let found = report(&skewed);
+    assert!(
+        (found.bias - 0.1).abs() <= 1.5 * found.bias_half_width && found.bias > 2.0 * found.bias_half_width,
+        "{found:?}"
+    );
+}
+
+#[test]
+fn too_few_samples_are_not_divided() {
+    let outcome = adaptive(&renders::world(&frame(), 1), 31, Width::native(), Some(&kernel(rare_on_the_right)));
+    assert!(outcome.adaptive.is_none() && !outcome.film.is_uneven() && outcome.film.samples() == 31);
+}
+
+#[test]
+fn lanes_and_threads_leave_no_trace() {
+    for sampler in [SamplerKind::Sobol, SamplerKind::Independent] {
+        let world = renders::sampled(&scenes::everything(), 4, Default::default(), sampler);
+        let alone = thread_pool(1).expect("a thread");
+        let expected = adaptive_on(&alone, &world, 64, Width::One, None);
+        assert!(expected.film.is_uneven(), "the scene has tiles that want more");
+        for (threads, width) in [(2, Width::One), (1, Width::Eight), (3, Width::Sixteen)] {
+            let pool = thread_pool(threads).expect("threads");
+            let found = adaptive_on(&pool, &world, 64, width, None);
+            assert_same(&format!("{threads} threads, {} lanes", width.lanes()), &found.film, &expected.film);
+        }
+    }
+}

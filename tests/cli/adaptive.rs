@@ -1,0 +1,82 @@
+//! `render --adaptive` and `converge` with it.
+
+use super::{Scratch, text};
+use octolux::film::read_exr;
+
+#[test]
+fn the_report_and_the_image_say_how_samples_were_divided() {
+    let scratch = Scratch::new();
+    let report =
+        scratch.json(&["render", "scene.toml", "--adaptive", "--spp", "128", "-o", "a.exr", "--json", "-", "--quiet"]);
+    let number = |key: &str| report["adaptive"][key].as_f64().unwrap();
+    assert_eq!(number("pilot_samples"), 16.0);
+    assert!(number("least") < 128.0 && number("most") > 128.0 && number("mean") <= 128.0, "{report}");
+    assert_eq!(report["samples_per_pixel"].as_f64().unwrap(), number("mean").round());
+    let image = read_exr(&scratch.path("a.exr")).unwrap();
+    let samples = image.channel("samples").expect("a channel with the numbers of samples");
+    let mean = samples.iter().map(|&n| f64::from(n)).sum::<f64>() / samples.len() as f64;
+    assert!((mean - number("mean")).abs() < 1e-9);
+    // What a person reads says it, too.
+    let said = text(&scratch.run(&["render", "scene.toml", "--adaptive", "--spp", "128", "-o", "a.exr"]).stderr);
+    assert!(said.contains("adaptive:") && said.contains("bias as measured"), "{said}");
+    // An even image has no such channel.
+    scratch.run(&["render", "scene.toml", "--spp", "4", "-o", "b.exr", "--quiet"]);
+    assert!(read_exr(&scratch.path("b.exr")).unwrap().channel("samples").is_none());
+}
+
+#[test]
+fn what_cannot_be_divided_is_refused_in_one_line() {
+    let scratch = Scratch::new();
+    let scene = std::fs::read_to_string(scratch.path("scene.toml")).unwrap();
+    let with = |name: &str, integrator: &str| {
+        std::fs::write(scratch.path(name), format!("{scene}\n[integrator]\n{integrator}\n")).unwrap();
+    };
+    with("gather.toml", "kind = \"gather\"");
+    for (file, light_paths, word) in [("scene.toml", "on", "--light-paths off"), ("gather.toml", "off", "gather")] {
+        let output = scratch.run(&["render", file, "--light-paths", light_paths, "--adaptive", "-o", "a.exr"]);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains("--adaptive") && said.contains(word) && said.trim().lines().count() == 1, "{said}");
+        assert!(!scratch.path("a.exr").exists());
+    }
+    for other in [["--tile", "8"], ["--state", "a.state"], ["--samples", "0..64"], ["--ladder", "1,2"]] {
+        let output = scratch.run(&[&["render", "scene.toml", "--adaptive", "--png", "a.png"][..], &other].concat());
+        assert_eq!(output.status.code(), Some(2), "{other:?}: {}", text(&output.stderr));
+    }
+}
+
+#[test]
+fn seconds_may_be_the_budget() {
+    let scratch = Scratch::new();
+    let report =
+        scratch.json(&["render", "scene.toml", "--adaptive", "--time", "0.5", "-o", "a.exr", "--json", "-", "--quiet"]);
+    assert_eq!(report["stopped_by"], "time");
+    assert_eq!(report["adaptive"]["pilot_samples"], 16);
+}
+
+#[test]
+fn converge_measures_it_beside_even_samples() {
+    let scratch = Scratch::new();
+    let variants = "even:; adaptive: --adaptive";
+    let output = scratch.run(&[
+        "converge",
+        "scene.toml",
+        "-o",
+        "study",
+        "--spp",
+        "64",
+        "--seeds",
+        "2",
+        "--reference-spp",
+        "256",
+        "--quiet",
+        "--variants",
+        variants,
+    ]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let report = std::fs::read_to_string(scratch.path("study/report.json")).unwrap();
+    assert!(report.contains("--adaptive"), "the variant is named with its flags");
+    // The pilot's paths are counted.
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    println!("{}", report["variants"][1]["rows"]);
+}
