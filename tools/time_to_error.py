@@ -2,12 +2,13 @@
 """Seconds and paths that octolux needs to a relMSE on the reference scenes, beside what its peers were measured to need.
 
     cargo build --release
-    python3 tools/time_to_error.py [--seeds 4] [--scenes cornell,env] [--json FILE] [-o DIR]
+    python3 tools/time_to_error.py [--seeds 4] [--scenes cornell,env] [--adaptive] [--json FILE] [-o DIR]
 
 Runs `octolux converge` on each scene of ../shared/refs (reports stay in DIR) and prints a Markdown table with 95 %
 intervals: rendering alone, and the wall clock from exec to closed file. The peers' seconds are those of
 ../shared/refs/README.md, measured on another machine; tools/peer_mitsuba.py re-measures Mitsuba's paths a second here, and
-its paths to the error follow from C = relMSE·samples, which no machine changes.
+its paths to the error follow from C = relMSE·samples, which no machine changes. With --adaptive, samples are divided by a
+pilot (whose paths and seconds count) where the scene lets them be.
 """
 import argparse
 import json
@@ -29,13 +30,15 @@ SCENES = {
     "many_lights": ("1,4,16,64,256", {1e-2: 67.0}, 17.9),
     "door_ajar": ("16,64,256,1024", {1e-2: 14.0}, 24.9),
 }
+# Paths from the lights reach every pixel alike.
+EVEN = {"glass"}
 
 
 def measure(scene, budgets, arguments):
     folder = pathlib.Path(arguments.output) / scene
     command = [str(ROOT / "target" / "release" / "octolux"), "converge", str(REFS / scene / "scene.toml"),
                "--reference", str(REFS / f"{scene}.exr"), "--spp", budgets, "--seeds", str(arguments.seeds), "--quiet",
-               "-o", str(folder)]
+               "-o", str(folder)] + (["--", "--adaptive"] if arguments.adaptive and scene not in EVEN else [])
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(f"{' '.join(command)}: {done.stderr.strip()}")
@@ -72,6 +75,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=4)
     parser.add_argument("--scenes", default=",".join(SCENES))
+    parser.add_argument("--adaptive", action="store_true", help="with samples divided by a pilot")
     parser.add_argument("--json", help="write the table as JSON too")
     parser.add_argument("-o", "--output", default=tempfile.mkdtemp(prefix="octolux-time-to-error-"))
     arguments = parser.parse_args()

@@ -131,6 +131,11 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
         eprintln!("interrupted before the first sample; nothing was written");
         return Ok(true);
     }
+    if args.adaptive && outcome.adaptive.is_none() {
+        log::warn!(
+            "--adaptive: the budget is too small for a pilot (32 samples a pixel are enough); all pixels have as many"
+        );
+    }
     let start = Instant::now();
     let phase = Phase::begin("writing", args.quiet);
     keeper.finish(&outcome)?;

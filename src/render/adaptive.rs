@@ -97,7 +97,7 @@ impl Rates {
     pub fn find(pass: &Pass, film: &Film, budget: &Budget) -> Option<Self> {
         let start = Instant::now();
         let count = match budget.samples {
-            Some(samples) => replicate_samples(samples).or_else(|| too_few(samples))?,
+            Some(samples) => replicate_samples(samples)?,
             None => TIMED_SAMPLES,
         };
         let mut pilot = None;
@@ -122,6 +122,11 @@ impl Rates {
         if exponent < 0 { end >> -exponent } else { end << exponent }
     }
 
+    /// Of all pixels, as the pilot found.
+    pub fn seconds_per_sample(&self) -> f64 {
+        self.seconds / self.samples as f64
+    }
+
     /// Of the finished film.
     pub fn report(&self, film: &Film) -> AdaptiveReport {
         let pixels = f64::from(film.width()) * f64::from(film.height());
@@ -140,12 +145,6 @@ impl Rates {
             bias_half_width: 1.96 * (variance + self.variance).sqrt() * scale.abs(),
         }
     }
-}
-
-fn too_few(samples: u64) -> Option<u64> {
-    let least = PILOT_SHARE * u64::from(REPLICATES);
-    log::warn!("{samples} samples are too few to be divided by a pilot ({least} are needed): every pixel gets as many");
-    None
 }
 
 /// Samples of each replicate for a budget: a power of two, all replicates together at most an eighth of it.

@@ -84,6 +84,20 @@ impl Pacer {
         Pacer { budget, size: 1, settled: false, seconds_per_sample: 0.0 }
     }
 
+    /// Nothing rendered yet, but known that a sample of every pixel takes so long: full passes from the first on.
+    pub fn paced(budget: Budget, seconds_per_sample: f64) -> Self {
+        let mut pacer = Pacer { budget, size: 1, settled: true, seconds_per_sample };
+        while 2 * pacer.size <= BLOCK && 2.0 * pacer.size as f64 * seconds_per_sample <= pacer.preferred_seconds() {
+            pacer.size *= 2;
+        }
+        pacer
+    }
+
+    /// Seconds that a pass should take at most.
+    fn preferred_seconds(&self) -> f64 {
+        self.budget.seconds.map_or(PASS_SECONDS, |limit| PREFERRED_SHARE.min(PASS_SHARE) * limit)
+    }
+
     /// Samples of the next pass after `done`, or what stops the render. `now` is in seconds since the process
     /// started, `output` the seconds that writing the image will take.
     ///
@@ -113,16 +127,12 @@ impl Pacer {
             return;
         }
         self.seconds_per_sample = measured;
-        let (most, preferred) = match self.budget.seconds {
-            Some(limit) => (PASS_SHARE * limit, PREFERRED_SHARE * limit),
-            None => (PASS_SECONDS, PASS_SECONDS),
-        };
         // A pass starts at a multiple of its size: so none crosses a block, and every power of two is an end.
         let doubled = 2 * self.size;
         if !done.is_multiple_of(doubled) {
             return;
         }
-        if doubled <= BLOCK && doubled as f64 * measured <= preferred.min(most) {
+        if doubled <= BLOCK && doubled as f64 * measured <= self.preferred_seconds() {
             self.size = doubled;
             self.settled = doubled == BLOCK;
         } else {

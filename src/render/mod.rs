@@ -165,7 +165,11 @@ pub fn render_by(
     let (mut done, mut next) = (film.samples(), film.next_sample());
     let most = done + rates.as_ref().map_or(budget::MAX_SAMPLES, |_| Rates::MOST_SAMPLES) - next;
     let samples = Some(options.budget.samples.unwrap_or(most).min(most));
-    let mut pacer = Pacer::new(Budget { samples, ..options.budget });
+    let budget = Budget { samples, ..options.budget };
+    let mut pacer = match &rates {
+        None => Pacer::new(budget),
+        Some(rates) => Pacer::paced(budget, rates.seconds_per_sample()),
+    };
     let stopped_by = loop {
         let samples = match pacer.next(done, seconds_since_process_start(), output) {
             Ok(samples) => samples,
