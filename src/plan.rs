@@ -129,6 +129,9 @@ pub struct Plan {
     pub shading_normals: bool,
     /// Does light come from outside?
     pub environment: bool,
+    /// Do light samples leave the even part of the sky to the materials' own? The same in the general kernel: it decides on
+    /// samples.
+    pub compensated_sky: bool,
     /// Do primitives emit?
     pub area_lights: bool,
     /// Is there a table of them for each part of the scene? The same in the general kernel: it decides on samples.
@@ -215,6 +218,12 @@ impl Plan {
             Some(Environment::Image(i)) => (true, format!("{}×{} image", i.width, i.height)),
         };
         let environment = decide("environment", (lit || on(Feature::Environment)) && light_transport, why);
+        let by_path = matches!(scene.integrator.kind, IntegratorKind::Path | IntegratorKind::Direct);
+        let compensated_sky = decide(
+            "compensated sky",
+            environment && by_path && matches!(scene.environment, Some(Environment::Image(_))),
+            "for images whose samples stand beside those of materials".to_string(),
+        );
         let emitters = used.iter().filter(|&&m| scene.materials[m].emission.iter().any(|&e| e > 0.0)).count();
         let area_lights = decide(
             "area lights",
@@ -222,7 +231,6 @@ impl Plan {
             format!("{emitters} used materials emit"),
         );
         let lamps = emitting_primitives(scene);
-        let by_path = matches!(scene.integrator.kind, IntegratorKind::Path | IntegratorKind::Direct);
         let light_grid = decide(
             "lights chosen by place",
             area_lights && by_path && lamps >= MANY_LIGHTS,
@@ -275,6 +283,7 @@ impl Plan {
             spheres,
             shading_normals,
             environment,
+            compensated_sky,
             area_lights,
             light_grid,
             delta_lights,
@@ -288,6 +297,12 @@ impl Plan {
             posterior,
             decisions,
         }
+    }
+
+    /// The same for light samples that stand alone, or beside those of materials that are not the scene's and may not reach all
+    /// that they scatter.
+    pub fn with_light_samples_alone(self) -> Self {
+        Plan { compensated_sky: false, ..self }
     }
 
     /// Is a feature kept?

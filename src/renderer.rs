@@ -99,7 +99,7 @@ impl Renderer {
     /// # Errors
     /// See [`RenderError`].
     pub fn render(&self, scene: &Scene) -> Result<Film, RenderError> {
-        let world = self.world(scene)?;
+        let world = self.world(scene, |plan| plan)?;
         self.run(&world, &kernel::select(&world, self.width))
     }
 
@@ -114,7 +114,7 @@ impl Renderer {
         }
         let width = self.width;
         self.run(
-            &self.world(scene)?.without_light_paths(),
+            &self.world(scene, Plan::with_light_samples_alone)?.without_light_paths(),
             &|world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
                 kernel::render_own(world, own, width, job, out, counters);
             },
@@ -128,7 +128,7 @@ impl Renderer {
     pub fn integrate<I: Integrand>(&self, scene: &Scene, integrand: &I) -> Result<Film, RenderError> {
         let width = self.width;
         self.run(
-            &self.world(scene)?.without_light_paths(),
+            &self.world(scene, Plan::with_light_samples_alone)?.without_light_paths(),
             &|world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| match width {
                 Width::One => own::integrate::<f32, I>(integrand, world, job, out, counters),
                 Width::Eight => own::integrate::<f32x8, I>(integrand, world, job, out, counters),
@@ -137,9 +137,9 @@ impl Renderer {
         )
     }
 
-    fn world(&self, scene: &Scene) -> Result<World, RenderError> {
+    fn world(&self, scene: &Scene, plan: impl Fn(Plan) -> Plan) -> Result<World, RenderError> {
         scene.validate()?;
-        let world = World::new(scene, Plan::new(scene, Force::default(), false), self.prepare)?;
+        let world = World::new(scene, plan(Plan::new(scene, Force::default(), false)), self.prepare)?;
         Ok(match &self.numbers {
             None => world,
             Some(numbers) => world.with_numbers(numbers.clone()),

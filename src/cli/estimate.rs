@@ -208,7 +208,7 @@ fn command() -> String {
 fn illumination(of: &ProblemArgs, seed: u64, width: Width) -> Result<Box<dyn Problem>, String> {
     let path = of.scene.as_ref().ok_or("illumination is of a scene: give --scene SCENE.toml")?;
     let scene = crate::scene::load(path).map_err(|e| e.to_string())?;
-    let plan = Plan::new(&scene, Force::default(), false);
+    let plan = Plan::new(&scene, Force::default(), false).with_light_samples_alone();
     let world = World::new(&scene, plan, Prepare { seed, ..Prepare::default() }).map_err(|e| e.to_string())?;
     let (x, y) = of.pixel.unwrap_or((world.film.width / 2, world.film.height / 2));
     Ok(Box::new(problems::illumination(world, &scene.name, [x, y], width)?))

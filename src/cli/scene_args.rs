@@ -6,7 +6,7 @@ use crate::kernel::{Prepare, Width, World};
 use crate::plan::{Force, Plan};
 use crate::render::{self, Phase, Times};
 use crate::sampling::SamplerKind;
-use crate::scene::{FilmSize, LightPaths, Scene};
+use crate::scene::{FilmSize, LightPaths, Roulette, Scene};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -26,6 +26,10 @@ pub struct SceneArgs {
     /// Trace paths from the lights, too [default: as the scene says, else auto: where the plan finds that they pay]
     #[arg(long, value_enum)]
     pub light_paths: Option<LightPaths>,
+    /// Russian roulette from scattering event AFTER on, for paths that carry less than BELOW of what they started with
+    /// [default: as the scene says, else 2,0.25; many renderers: 5,1]
+    #[arg(long, value_name = "AFTER,BELOW")]
+    pub roulette: Option<Roulette>,
     /// Tree quality
     #[arg(long, value_enum, default_value_t = Preset::Medium)]
     pub build: Preset,
@@ -65,6 +69,9 @@ impl SceneArgs {
         }
         if let Some(light_paths) = self.light_paths {
             scene.integrator.light_paths = light_paths;
+        }
+        if let Some(roulette) = self.roulette {
+            scene.integrator.roulette = roulette;
         }
         Ok(scene)
     }

@@ -86,6 +86,7 @@ impl StateArgs {
             posterior: options.aovs && world.plan.posterior,
             shares_points: world.integrator.shares_points(),
             light_paths: world.light_paths.is_some(),
+            roulette: world.integrator.roulette.to_string(),
         };
         if let Some(path) = &self.resume {
             let State { head, film } = State::load(path)?;

@@ -21,9 +21,8 @@ use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::light::{LightSample, sphere_pdf, triangle_pdf};
 use crate::sampling::dimensions::*;
 use crate::sampling::{Frame, Sampler};
+use crate::scene::Integrator;
 
-/// Roulette begins after this many scattering events.
-const ROULETTE_AFTER: f32 = 5.0;
 /// No path survives roulette more surely than this, unless it carries more than it started with.
 const MAX_SURVIVAL: f32 = 0.95;
 
@@ -130,7 +129,7 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
         let back = reversed_pdf(world, shade, paths.hit, surface, [wo, sample.wi], paths.alive & !sample.delta);
         arrival.leave(surface, sample, [wo.z, back], *paths, out);
     }
-    roulette(paths, u[ROULETTE], probe);
+    roulette(world, paths, u[ROULETTE], probe);
 }
 
 #[inline(always)]
@@ -290,27 +289,44 @@ fn scatter<R: Real, S: Shade, P: Probe>(
     sample
 }
 
-/// Russian roulette (Arvo & Kirk 1990): from the fifth scattering event on a path survives with probability
-/// min(max β·η², 0.95) and carries 1/probability; with 1 where β·η² is above 1.
+/// Russian roulette as the scene has it ([`Roulette`](crate::scene::Roulette)), by max β·η².
 ///
-/// With the cap alone β would grow by 1/0.95 an event in a white room: almost every path ends early, few carry nearly
+/// With the cap alone, also above what the scene calls little, β would grow by 1/0.95 an event in a white room: almost every path ends early, few carry nearly
 /// everything, and the variance has no bound (`check --numerics`, white cavity, prints what that gives).
 #[inline(always)]
-fn roulette<R: Real, P: Probe>(paths: &mut Paths<R>, u: R, probe: &mut P) {
+fn roulette<R: Real, P: Probe>(world: &World, paths: &mut Paths<R>, u: R, probe: &mut P) {
     let carried = paths.beta.max_component() * paths.eta_squared;
-    let Some((plays, survival)) = roulette_survival(paths.bounce + R::one(), carried, paths.alive) else { return };
+    let Some((plays, survival)) = world.roulette.survival(paths.bounce + R::one(), carried, paths.alive) else {
+        return;
+    };
     let survival = probe.tap(Stage::Roulette, paths.lanes(plays), survival);
     let survives = u.lt(survival);
     paths.alive = paths.alive & (survives | !plays);
     paths.beta = paths.beta * R::select(plays & survives, survival.recip(), R::one());
 }
 
-/// Lanes that play roulette after `events` scattering events, and their probability to survive; `None` where none does.
-#[inline(always)]
-pub(super) fn roulette_survival<R: Real>(events: R, carried: R, alive: R::Mask) -> Option<(R::Mask, R)> {
-    let plays = alive & events.ge(R::splat(ROULETTE_AFTER));
-    let survival = R::select(carried.gt(R::one()), R::one(), carried.min_or(R::splat(MAX_SURVIVAL)));
-    plays.any().then_some((plays, survival))
+/// The scene's [`Roulette`](crate::scene::Roulette) as lanes use it.
+#[derive(Clone, Copy, Debug)]
+pub struct Roulette {
+    after: f32,
+    /// 1/`below`.
+    scale: f32,
+}
+
+impl Roulette {
+    pub(super) fn of(integrator: &Integrator) -> Self {
+        let crate::scene::Roulette { after, below } = integrator.roulette;
+        Roulette { after: after as f32, scale: below.recip() }
+    }
+
+    /// Lanes that play after `events` scattering events, and their probability to survive; `None` where none does.
+    #[inline(always)]
+    pub(super) fn survival<R: Real>(&self, events: R, carried: R, alive: R::Mask) -> Option<(R::Mask, R)> {
+        let plays = alive & events.ge(R::splat(self.after));
+        let carried = carried * R::splat(self.scale);
+        let survival = R::select(carried.gt(R::one()), R::one(), carried.min_or(R::splat(MAX_SURVIVAL)));
+        plays.any().then_some((plays, survival))
+    }
 }
 
 /// Albedo, shading normal towards the viewer and distance of the first hit.

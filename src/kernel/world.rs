@@ -4,12 +4,13 @@ use super::camera::Camera;
 use super::gather::{self, GatherReport, GatherTables};
 use super::light_paths::LightPaths;
 use super::material::MaterialTable;
+use super::path::Roulette;
 use super::pattern::mean_radiance;
 use super::texture::TextureTable;
 use crate::accel::{Accel, BuildOptions, BuildReport, Mode, Preset};
 use crate::geometry::{Hit, Ray, Rows, SphereAt, SphereRows, TriangleRows};
 use crate::lane::{Bits, Mask, Real, Vec3, float_mode};
-use crate::light::{Emitter, EmitterShape, Extent, LightError, LightSample, Lights, Receivers};
+use crate::light::{Emitter, EmitterShape, Extent, LightError, LightSample, Lights, Receivers, SkySamples};
 use crate::own::Numbers;
 use crate::plan::{GeometryMode, Plan};
 use crate::sampling::SamplerKind;
@@ -29,6 +30,8 @@ pub struct World {
     pub integrator: Integrator,
     /// Scattering events allowed on a path (the integrator's, with `direct` limited to 1).
     pub max_bounces: f32,
+    /// When paths may end.
+    pub roulette: Roulette,
     /// Of every random number.
     pub seed: u64,
     /// How the samples of a pixel relate.
@@ -142,6 +145,7 @@ impl World {
             film: scene.film,
             integrator: scene.integrator,
             max_bounces: max_bounces(&scene.integrator),
+            roulette: Roulette::of(&scene.integrator),
             seed: options.seed,
             sampler: sampler(&scene.integrator, options.sampler),
             numbers: None,
@@ -319,7 +323,9 @@ fn build_lights(
     }
     let environment = scene.environment.as_ref().filter(|_| plan.environment);
     let delta = if plan.delta_lights { &scene.delta_lights[..] } else { &[] };
-    let mut lights = Lights::with_delta(emitters, environment, delta, extent(scale, positions, spheres))?;
+    let samples = if plan.compensated_sky { SkySamples::Compensated } else { SkySamples::Alone };
+    let sky = environment.map(|sky| (sky, samples));
+    let mut lights = Lights::with_sky(emitters, sky, delta, extent(scale, positions, spheres))?;
     if plan.light_grid {
         lights.add_grid(&Receivers { positions, triangles: &scene.mesh.triangles, spheres });
     }

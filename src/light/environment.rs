@@ -16,6 +16,18 @@ pub enum EnvironmentMap {
     Turned(ImageMap, Turn),
 }
 
+/// What directions to an environment's image are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SkySamples {
+    /// An estimate of their own: in proportion to radiance.
+    Alone,
+    /// One beside directions from a BSDF that reach all that it scatters, weighted by multiple importance sampling. These
+    /// find an even sky well enough: so in proportion to what radiance exceeds its mean by, and nowhere else (Karlík,
+    /// Šik, Vévoda, Skřivan, Křivánek 2019, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance
+    /// Sampling", §4, for as many light samples as BSDF samples).
+    Compensated,
+}
+
 /// A rotation about +y, counter-clockwise seen from above.
 #[derive(Clone, Copy)]
 pub struct Turn {
@@ -42,12 +54,21 @@ impl Turn {
 }
 
 impl EnvironmentMap {
-    /// `None` for a black environment.
+    /// `None` for a black environment. Its samples stand alone.
     pub fn build(environment: &Environment) -> Option<Self> {
+        Self::sampled(environment, SkySamples::Alone)
+    }
+
+    /// The same for a purpose.
+    pub fn sampled(environment: &Environment, samples: SkySamples) -> Option<Self> {
         match environment {
             Environment::Constant(radiance) => radiance.iter().any(|&c| c > 0.0).then_some(Self::Constant(*radiance)),
-            Environment::Image(image) if image.rotation % 360.0 == 0.0 => ImageMap::build(image).map(Self::Image),
-            Environment::Image(image) => ImageMap::build(image).map(|map| Self::Turned(map, Turn::new(image.rotation))),
+            Environment::Image(image) if image.rotation % 360.0 == 0.0 => {
+                ImageMap::build(image, samples).map(Self::Image)
+            }
+            Environment::Image(image) => {
+                ImageMap::build(image, samples).map(|map| Self::Turned(map, Turn::new(image.rotation)))
+            }
         }
     }
 

@@ -1,6 +1,7 @@
 //! A latitude-longitude image: looking it up, and sampling directions in proportion to what the look-up returns.
 
 use super::density::{Density, Shape};
+use super::environment::SkySamples;
 use crate::lane::array::map;
 use crate::lane::math::{atan2, sincos_2pi};
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3, prefetch};
@@ -12,15 +13,20 @@ use rayon::prelude::*;
 /// 0/0. Far below anything a direction can resolve, and its quotients stay in range.
 const POLE: f32 = 1e-18;
 
+/// The least share of a sky's light above its mean that is worth samples of its own: below, rounding could decide.
+const LEAST_EXCESS: f64 = 0.01;
+
 /// The image with its sampling density.
 pub struct ImageMap {
     shape: Shape,
     /// Row-major r, g, b, and pdf_ω · sin θ / weight of the cell above and to the right, which needs one row
     /// more than the image has.
     texels: Vec<[f32; 4]>,
-    /// What sampling is proportional to at a texel's centre is the sum of its channels times this of its row: their
-    /// mean relative to the largest, times the row's sin θ.
+    /// What sampling is proportional to at a texel's centre is the sum of its channels, less three times the floor, times
+    /// this of its row: the mean relative to the largest, times the row's sin θ.
     row_weight: Vec<f32>,
+    /// A mean over the channels that counts as nothing: the sky's where samples are compensated, else 0.
+    floor: f32,
     density: Density,
 }
 
@@ -50,7 +56,7 @@ struct Corners<R> {
 
 impl ImageMap {
     /// `None` where the image is black.
-    pub(super) fn build(image: &EnvironmentImage) -> Option<Self> {
+    pub(super) fn build(image: &EnvironmentImage, samples: SkySamples) -> Option<Self> {
         let shape = Shape { width: image.width, height: image.height };
         let mean = |t: &[f32; 3]| t.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
         let largest = image.texels.par_iter().map(mean).reduce(|| 0.0, f64::max);
@@ -61,14 +67,15 @@ impl ImageMap {
         // A tiny `largest` would leave the range of f32; only ratios matter.
         let row_weight: Vec<f32> =
             (0..image.height).map(|row| (sin_theta(row) / (3.0 * largest)).min(f64::from(f32::MAX)) as f32).collect();
+        let floor = if samples == SkySamples::Compensated { floor(image, sin_theta) } else { 0.0 };
         let weight = |row: usize, column: usize| {
             let [r, g, b] = image.texels[row * image.width + column];
-            weight(Vec3::new(r, g, b), row_weight[row])
+            weight(Vec3::new(r, g, b), row_weight[row], floor)
         };
         let (density, scale) = Density::build(shape, weight);
         let last_row = &image.texels[image.texels.len() - image.width..];
         let texels = image.texels.par_iter().chain(last_row).zip(&scale).map(|([r, g, b], s)| [*r, *g, *b, *s]);
-        Some(Self { shape, texels: texels.collect(), row_weight, density })
+        Some(Self { shape, texels: texels.collect(), row_weight, floor, density })
     }
 
     pub(super) fn memory(&self) -> usize {
@@ -177,15 +184,32 @@ impl ImageMap {
         // Nothing is lost towards a pole, where sin θ takes the weight to 0 whatever the radiance.
         let near = R::load(&row_weight[0]).masked(!place.is_polar());
         let far = R::load(&row_weight[1]);
-        let weight = [map(radiance[0], |c| weight(c, near)), map(radiance[1], |c| weight(c, far))];
+        let weight =
+            [map(radiance[0], |c| weight(c, near, self.floor)), map(radiance[1], |c| weight(c, far, self.floor))];
         Corners { radiance, weight, scale: R::from_fn(|lane| self.texels[at[4][lane] as usize][3]) }
     }
 }
 
-/// The sum of the channels times `row`, in a form that does not overflow where the products do not.
+/// The mean radiance over the sphere, the texels weighed by their rows' sin θ: 0 where too little lies above it.
+fn floor(image: &EnvironmentImage, sin_theta: impl Fn(usize) -> f64 + Sync) -> f32 {
+    let mean = |t: &[f32; 3]| t.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
+    // In the order of the rows, whatever the threads.
+    let over_rows = |of_texel: &(dyn Fn(f64) -> f64 + Sync)| {
+        let rows = image.texels.par_chunks_exact(image.width).enumerate();
+        let sums = rows.map(|(j, row)| sin_theta(j) * row.iter().map(|t| of_texel(mean(t))).sum::<f64>());
+        sums.collect::<Vec<_>>().into_iter().sum::<f64>()
+    };
+    let (total, area) = (over_rows(&|l| l), over_rows(&|_| 1.0));
+    let floor = (total / area) as f32;
+    let excess = over_rows(&|l| (l - f64::from(floor)).max(0.0));
+    if excess > LEAST_EXCESS * total { floor } else { 0.0 }
+}
+
+/// The sum of the channels less three times `floor`, times `row`, in a form that does not overflow where the products do not.
 #[inline(always)]
-fn weight<R: Real>(c: Vec3<R>, row: R) -> R {
-    c.x.mul_add(row, c.y.mul_add(row, c.z * row))
+fn weight<R: Real>(c: Vec3<R>, row: R, floor: f32) -> R {
+    let less = R::splat(floor) * row * R::splat(3.0);
+    c.x.mul_add(row, c.y.mul_add(row, c.z.mul_add(row, -less))).max_or(R::zero())
 }
 
 impl<R: Real> Place<R> {

@@ -3,7 +3,7 @@
 use super::area::{AreaLights, AreaSample};
 use super::delta::{DeltaLights, Extent};
 use super::sample::LightSample;
-use super::{Emitter, EnvironmentMap, LightError, Receivers};
+use super::{Emitter, EnvironmentMap, LightError, Receivers, SkySamples};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::sampling::rescale;
 use crate::scene::{DeltaLight, Environment};
@@ -33,7 +33,8 @@ pub struct Lights {
 impl Lights {
     /// Emitters without area or radiance are dropped, as is a black environment.
     pub fn build(emitters: Vec<Emitter>, environment: Option<&Environment>) -> Result<Self, LightError> {
-        Self::with_delta(emitters, environment, &[], Extent { scale: 1.0, radius: 1.0 })
+        let environment = environment.and_then(EnvironmentMap::build);
+        Self::of(emitters, environment, &[], Extent { scale: 1.0, radius: 1.0 })
     }
 
     /// The same, with lights without extent.
@@ -43,7 +44,25 @@ impl Lights {
         delta: &[DeltaLight],
         extent: Extent,
     ) -> Result<Self, LightError> {
-        let environment = environment.and_then(EnvironmentMap::build);
+        Self::of(emitters, environment.and_then(EnvironmentMap::build), delta, extent)
+    }
+
+    /// The same, with samples of the sky for a purpose.
+    pub fn with_sky(
+        emitters: Vec<Emitter>,
+        sky: Option<(&Environment, SkySamples)>,
+        delta: &[DeltaLight],
+        extent: Extent,
+    ) -> Result<Self, LightError> {
+        Self::of(emitters, sky.and_then(|(sky, samples)| EnvironmentMap::sampled(sky, samples)), delta, extent)
+    }
+
+    fn of(
+        emitters: Vec<Emitter>,
+        environment: Option<EnvironmentMap>,
+        delta: &[DeltaLight],
+        extent: Extent,
+    ) -> Result<Self, LightError> {
         let delta = DeltaLights::build(delta, extent)?;
         let area_power: f64 = emitters.iter().map(Emitter::power).filter(|&power| power > 0.0).sum();
         let delta_power = delta.as_ref().map_or(0.0, DeltaLights::power);

@@ -22,7 +22,7 @@ mod sphere;
 mod triangle;
 
 pub use delta::Extent;
-pub use environment::EnvironmentMap;
+pub use environment::{EnvironmentMap, SkySamples};
 pub use grid::{MANY_LIGHTS, Receivers};
 pub use lights::{ENVIRONMENT_PROBABILITY, Lights};
 pub use sample::{DELTA_LIGHT, LightSample, NO_PRIMITIVE};

@@ -10,6 +10,7 @@ use crate::film::codec::FilmShape;
 use crate::film::{Film, FilmChannels, FilmError};
 use crate::kernel::Counters;
 use crate::sampling::SamplerKind;
+use crate::scene::Roulette;
 use std::fs::File;
 use std::io::{BufReader, Read, Write};
 use std::path::{Path, PathBuf};
@@ -42,6 +43,13 @@ pub struct Origin {
     /// Are paths from the lights among them?
     #[serde(default)]
     pub light_paths: bool,
+    /// See [`Roulette`], as the command line has it; states that do not say are of a time when there was but one.
+    #[serde(default = "usual_roulette")]
+    pub roulette: String,
+}
+
+fn usual_roulette() -> String {
+    Roulette::USUAL.to_string()
 }
 
 /// The first lines of a state file.
@@ -93,12 +101,14 @@ impl Origin {
         let scene = |origin: &Origin| origin.fingerprint.clone();
         let sampler = |origin: &Origin| origin.sampler.name().to_string();
         let light_paths = |origin: &Origin| if origin.light_paths { "on" } else { "off" }.to_string();
-        let facts: [(_, Fact, String); 7] = [
+        let roulette = |origin: &Origin| origin.roulette.clone();
+        let facts: [(_, Fact, String); 8] = [
             ("version of octolux", version, "go on with the one that began it".to_string()),
             ("size", size, format!("give --size {}", size(theirs))),
             ("seed", seed, format!("give --seed {}", theirs.seed)),
             ("sampler", sampler, format!("give --sampler {}", theirs.sampler.name())),
             ("way of light paths", light_paths, format!("give --light-paths {}", light_paths(theirs))),
+            ("roulette", roulette, format!("give --roulette {}", theirs.roulette)),
             ("set of channels", aovs, "give --aovs to all or to none".to_string()),
             ("scene", scene, "it goes on only with the scene, meshes and images as they were".to_string()),
         ];

@@ -23,6 +23,7 @@ mod obj;
 mod obj_feed;
 mod obj_texcoords;
 mod polygons;
+mod roulette;
 mod surroundings;
 mod texture;
 mod toml_file;
@@ -38,6 +39,7 @@ pub use error::SceneError;
 pub use gather::{Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherShrinkage, GatherWeights};
 pub use light_paths::LightPaths;
 pub use load::load;
+pub use roulette::Roulette;
 pub use texture::{Channel, FileName, Image, Maps, Texels, Texture};
 pub use validate::InvalidScene;
 
@@ -105,6 +107,8 @@ pub struct Integrator {
     pub ambient: [f32; 3],
     /// `path`: are paths traced from the lights, too?
     pub light_paths: LightPaths,
+    /// `path`: when paths may end by chance.
+    pub roulette: Roulette,
     /// Read for `gather` alone.
     pub gather: Gather,
 }
@@ -119,6 +123,7 @@ impl Default for Integrator {
             max_depth: 5.0,
             ambient: [0.0; 3],
             light_paths: LightPaths::default(),
+            roulette: Roulette::default(),
             gather: Gather::default(),
         }
     }

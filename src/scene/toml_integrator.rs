@@ -1,12 +1,12 @@
 //! `[integrator]`.
 
-use super::domain::{Domain, NON_NEGATIVE, POSITIVE};
+use super::domain::{Domain, NON_NEGATIVE, POSITIVE, UNIT};
 use super::error::SceneError;
 use super::gather::{MOST_DIRECTIONS, MOST_SETS};
 use super::toml_text::{Colour, TomlText};
 use super::{
     Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherShrinkage, GatherWeights, Integrator,
-    IntegratorKind, LightPaths,
+    IntegratorKind, LightPaths, Roulette,
 };
 use crate::estimate::bmc::{Covariance, Points};
 use serde::Deserialize;
@@ -34,6 +34,8 @@ pub(super) struct IntegratorTable {
     shrinkage: Word,
     lights: Word,
     light_paths: Word,
+    roulette_after: Option<Spanned<i64>>,
+    roulette_below: Option<Spanned<f64>>,
 }
 
 const KINDS: [(&str, IntegratorKind); 7] = [
@@ -84,8 +86,18 @@ pub(super) fn integrator(table: Option<&IntegratorTable>, text: &TomlText) -> Re
     }
     integrator.light_paths =
         choice("way of `light_paths`", &table.light_paths, &LIGHT_PATHS, integrator.light_paths, text)?;
+    integrator.roulette = roulette(table, text)?;
     integrator.gather = gather(table, text)?;
     Ok(integrator)
+}
+
+fn roulette(table: &IntegratorTable, text: &TomlText) -> Result<Roulette, SceneError> {
+    let default = Roulette::default();
+    let below = table.roulette_below.as_ref().map(|share| text.number("roulette_below", share, &UNIT));
+    Ok(Roulette {
+        after: count("roulette_after", &table.roulette_after, default.after, u32::MAX, text)?,
+        below: below.transpose()?.unwrap_or(default.below),
+    })
 }
 
 fn gather(table: &IntegratorTable, text: &TomlText) -> Result<Gather, SceneError> {

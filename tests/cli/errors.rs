@@ -57,6 +57,9 @@ fn arguments_out_of_range_are_refused() {
     for arguments in [
         &["render", "scene.toml", "--lanes", "4"][..],
         &["render", "scene.toml", "--size", "0x10"],
+        &["render", "scene.toml", "--roulette", "0,1"],
+        &["render", "scene.toml", "--roulette", "5,1.5"],
+        &["render", "scene.toml", "--roulette", "NaN"],
         &["render", "scene.toml", "--spp", "0"],
         &["render", "scene.toml", "--time", "-1"],
         &["render", "scene.toml", "--time", "nan"],

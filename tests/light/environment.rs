@@ -11,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 
 const ULP: f64 = 5.960_464_477_539_063e-8; // 2⁻²⁴
 
-fn images() -> Vec<(&'static str, EnvironmentImage)> {
+pub fn images() -> Vec<(&'static str, EnvironmentImage)> {
     let sun = image(64, 32, |r, c| if (r, c) == (9, 50) { [3e4, 2.5e4, 2e4] } else { [0.2, 0.3, 0.6] });
     let ground = image(16, 8, |r, _| if r < 4 { [1.0; 3] } else { [0.0; 3] });
     let stripes = image(8, 6, |_, c| [if c % 2 == 0 { 1.0 } else { 0.0 }; 3]);
@@ -46,7 +46,7 @@ fn images_follow_their_density() {
 }
 
 /// Towards the centre of a texel.
-fn direction_of(image: &EnvironmentImage, row: usize, column: usize) -> V {
+pub fn direction_of(image: &EnvironmentImage, row: usize, column: usize) -> V {
     let theta = PI * (row as f64 + 0.5) / image.height as f64;
     let phi = TAU * (column as f64 + 0.5) / image.width as f64;
     [theta.sin() * phi.sin(), theta.cos(), -theta.sin() * phi.cos()]

@@ -2,6 +2,7 @@
 
 mod area;
 mod choice;
+mod compensation;
 mod delta;
 mod environment;
 mod grid;

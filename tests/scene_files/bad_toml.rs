@@ -1,6 +1,7 @@
 //! Scene files that must not load: each with the line that is blamed and words that the message must hold.
 
 use super::{CAMERA, Files, TRIANGLE};
+use octolux::scene::Roulette;
 
 /// Checks `text` (with a model `a.obj` beside it): the error is on `line` and names everything in `words`.
 fn refuses(text: &str, line: usize, words: &[&str]) {
@@ -30,6 +31,17 @@ fn the_table_to_break_is_valid() {
     assert_eq!(scene.camera.up, [0.0, 1.0, 0.0]);
     assert_eq!((scene.film.width, scene.film.height), (512, 512));
     assert_eq!(scene.integrator.max_bounces, 7);
+}
+
+#[test]
+fn roulette_is_what_the_table_says() {
+    let load = |text: &str| {
+        let files = Files::new(&[("scene.toml", &format!("{CAMERA}{text}"))]);
+        files.load("scene.toml").unwrap_or_else(|error| panic!("{error}")).integrator.roulette
+    };
+    assert_eq!(load(""), Roulette::default());
+    assert_eq!(load("[integrator]\nroulette_after = 5\nroulette_below = 1\n"), Roulette::USUAL);
+    assert_eq!(load("[integrator]\nroulette_below = 0.5\n"), Roulette { below: 0.5, ..Roulette::default() });
 }
 
 #[test]
@@ -145,6 +157,9 @@ fn film_and_integrator_values() {
         refuses_after_camera(&format!("[film]\nwidth = 3\nheight = {bad}\n"), 3, &["height", bad]);
     }
     refuses_after_camera("[film]\nwidth = 65536\nheight = 65536\n", 2, &["65536 x 65536"]);
+    refuses_after_camera("[integrator]\nroulette_after = 0\n", 2, &["roulette_after"]);
+    refuses_after_camera("[integrator]\nroulette_below = 1.5\n", 2, &["roulette_below", "[0, 1]"]);
+    refuses_after_camera("[integrator]\nroulette_below = nan\n", 2, &["roulette_below"]);
     refuses_after_camera("[integrator]\nmax_bounces = -1\n", 2, &["max_bounces"]);
     refuses_after_camera("[integrator]\nmax_bounces = 4294967296\n", 2, &["max_bounces"]);
     refuses_after_camera("[integrator]\nmax_depth = 0\n", 2, &["max_depth"]);

@@ -1,7 +1,7 @@
 //! One vertex of every light path of a packet.
 
 use super::super::material::AllModels;
-use super::super::path::{roulette_survival, same_side};
+use super::super::path::same_side;
 use super::super::surface::Surface;
 use super::super::world::World;
 use super::LightPaths;
@@ -40,7 +40,7 @@ pub fn vertex<R: Real>(world: &World, paths: &LightPaths, walk: &mut Walk<R>) ->
     let vertex = Vertex { surface, frame, wi, facing, ratio, active };
     let link = if active.any() { connect(world, walk, &vertex, &u) } else { None };
     scatter(world, walk, &vertex, &u);
-    roulette(paths, walk, u[ROULETTE]);
+    roulette(world, paths, walk, u[ROULETTE]);
     link
 }
 
@@ -73,9 +73,9 @@ fn scatter<R: Real>(world: &World, walk: &mut Walk<R>, vertex: &Vertex<R>, u: &[
 
 /// As camera paths play it, by what is left of what the path started with.
 #[inline(always)]
-fn roulette<R: Real>(paths: &LightPaths, walk: &mut Walk<R>, u: R) {
+fn roulette<R: Real>(world: &World, paths: &LightPaths, walk: &mut Walk<R>, u: R) {
     let carried = walk.beta.max_component() / R::splat(paths.carried);
-    let Some((plays, survival)) = roulette_survival(walk.bounce, carried, walk.alive) else { return };
+    let Some((plays, survival)) = world.roulette.survival(walk.bounce, carried, walk.alive) else { return };
     let survives = u.lt(survival);
     walk.alive = walk.alive & (survives | !plays);
     walk.beta = walk.beta * R::select(plays & survives, survival.recip(), R::one());
