@@ -2,12 +2,12 @@
 
 use super::interval::Interval;
 use super::lanes::ones;
+use super::leaf::{EdgeValues, Found, Leaf};
 use super::tree::{Block, OneHit, OneRay, PacketRay};
 use crate::geometry::plane_normal;
-use crate::geometry::slab::{own_hi, own_lo, slab, sphere_hi, sphere_lo};
+use crate::geometry::slab::{own_hi, own_lo, sphere_hi, sphere_lo};
 use crate::geometry::{Edges, Hit, MISS, RaySetup, Vertices, edges, intersect_sphere, largest, own_box, pass_edges};
 use crate::lane::{Bits, Mask, Real, axes, u32x8};
-use core::hint::select_unpredictable;
 
 /// Eight triangles: coordinates by vertex and axis, so that a single ray's choice of axes is a choice of arrays.
 #[repr(C, align(64))]
@@ -57,24 +57,6 @@ impl TriangleBlock {
     #[inline(always)]
     fn edges_one<E: Real>(&self, ray: &OneRay<E>, i: usize) -> Edges<E> {
         edges(&ray.setup.shear, self.load(ray.order, i), E::Mask::splat(true))
-    }
-
-    /// Hits among places from `i` on up to `t_best`, and their distances.
-    #[inline(always)]
-    fn test_one<E: Real>(&self, ray: &OneRay<E>, i: usize, t_best: f32) -> (Edges<E>, E::Mask, E) {
-        let edges = self.edges_one(ray, i);
-        let v: Vertices<E> = self.load([0, 1, 2], i);
-        let normal = plane_normal(v);
-        let (mask, t) = edges.distances(&ray.setup, v[0], normal, largest(normal));
-        let plane = |k: usize, upper: usize| {
-            if upper != 0 { own_hi(v[0][k], v[1][k], v[2][k]) } else { own_lo(v[0][k], v[1][k], v[2][k]) }
-        };
-        let near = axes(|k| plane(k, ray.negative[k]));
-        let far = axes(|k| plane(k, 1 - ray.negative[k]));
-        let (t_near, t_far) = slab(near, far, ray.setup.origin, ray.setup.inverse);
-        let within = mask & t.le(E::splat(t_best)) & t_near.le(t_far);
-        let t = t_near.max_or(t);
-        (edges, within & t.lt(E::splat(ray.t_max)), t)
     }
 
     /// Triangle `i` in every lane, in the order of each.
@@ -189,25 +171,56 @@ pub fn test_sphere<R: Real>(
     Some((mask & t_near.le(t_far), t_near.max_or(t)))
 }
 
-/// Which lane of `mask` beats the best so far, without branches: ids ascend, so the first of equals is the lowest.
-#[inline(always)]
-fn keep_one<E: Real>(mask: E::Mask, t: E, ids: &[u32; 8], first: usize, best: &mut OneHit) -> (usize, bool) {
-    let t = E::select(mask, t, E::splat(f32::INFINITY));
-    let least = t.lowest();
-    let among = (t.eq(E::splat(least)) & mask).bits();
-    let lane = among.trailing_zeros() as usize % E::WIDTH;
-    let primitive = ids[(first + lane) % 8];
-    let wins = (among != 0) & ((least < best.t) | (least == best.t) & (primitive < best.primitive));
-    best.t = select_unpredictable(wins, least, best.t);
-    best.primitive = select_unpredictable(wins, primitive, best.primitive);
-    (lane, wins)
-}
-
 /// Places that are not empty, as bits.
 #[inline(always)]
 fn filled(id: &[u32; 8]) -> u32 {
     let empty = <u32x8 as Bits>::load(id).eq(<u32x8 as Bits>::splat(MISS));
     !empty.bits() & 0xff
+}
+
+impl Leaf for TriangleBlock {
+    #[inline(always)]
+    fn passed<E: Real>(&self, ray: &OneRay<E>, edges: &mut EdgeValues) -> u32 {
+        // No closure: it would be called, with the whole ray passed through memory.
+        let (mut bits, mut i) = (0, 0);
+        while i < 8 && (E::WIDTH == 8 || self.id[i] != MISS) {
+            let values = self.edges_one(ray, i);
+            edges.put(i, &values);
+            bits |= values.inside.bits() << i;
+            i += E::WIDTH;
+        }
+        bits
+    }
+    #[inline(always)]
+    fn id(&self, place: usize) -> u32 {
+        self.id[place]
+    }
+    #[inline(always)]
+    fn meet<E: Real>(found: &Found<'_, Self>, ray: &RaySetup<E>) -> (E::Mask, E, E, E) {
+        let v: Vertices<E> = axes(|vertex| axes(|k| found.gather(|block, place| block.v[vertex][k][place])));
+        let [is_y, is_z] = [1, 2].map(|axis| ray.order[2].eq(Bits::splat(axis)));
+        let along = |p: [E; 3]| E::select(is_z, p[2], E::select(is_y, p[1], p[0]));
+        let edges = found.edges(axes(|vertex| along(v[vertex]) - ray.shear.origin[2]));
+        let normal = plane_normal(v);
+        let (hits, t) = edges.distances(ray, v[0], normal, largest(normal));
+        let (lo, hi) = own_box(v);
+        let (t_near, t_far) = ray.slab(lo, hi);
+        let (u, v) = edges.weights();
+        (hits & t_near.le(t_far), t_near.max_or(t), u, v)
+    }
+    #[inline(always)]
+    fn meet_one(&self, place: usize, ray: &OneRay<f32>, edges: &EdgeValues) -> (bool, OneHit) {
+        let v: Vertices<f32> = axes(|vertex| axes(|k| self.v[vertex][k][place]));
+        let depths = axes(|vertex| self.v[vertex][ray.order[2]][place] - ray.setup.shear.origin[2]);
+        let edges = edges.at(place, depths);
+        let normal = plane_normal(v);
+        let (ahead, t) = edges.distances(&ray.setup, v[0], normal, largest(normal));
+        let (lo, hi) = own_box(v);
+        let (t_near, t_far) = ray.slab(lo, hi);
+        let t = t_near.max_or(t);
+        let (u, v) = edges.weights();
+        (ahead & (t_near <= t_far) & (t < ray.t_max), OneHit { t, primitive: self.id[place], u, v })
+    }
 }
 
 impl Block for TriangleBlock {
@@ -220,27 +233,6 @@ impl Block for TriangleBlock {
         let hi = axes(|k| own_hi(v[0][k], v[1][k], v[2][k]));
         let (t_near, t_far) = interval.slab(lo, hi, t_best);
         t_near.le_bits(t_far) & filled
-    }
-    #[inline(always)]
-    fn may_hit<E: Real>(&self, ray: &OneRay<E>) -> bool {
-        (0..8).step_by(E::WIDTH).any(|i| self.edges_one(ray, i).inside.any())
-    }
-    #[inline(always)]
-    fn closest_one<E: Real>(&self, ray: &OneRay<E>, best: &mut OneHit) {
-        for i in (0..8).step_by(E::WIDTH) {
-            if E::WIDTH == 1 && (self.id[i] == MISS || self.edges_one(ray, i).inside.none()) {
-                continue;
-            }
-            let (edges, mask, t) = self.test_one(ray, i, best.t);
-            let (lane, wins) = keep_one(mask, t, &self.id, i, best);
-            let (u, v) = edges.weights_of(lane);
-            best.u = select_unpredictable(wins, u, best.u);
-            best.v = select_unpredictable(wins, v, best.v);
-        }
-    }
-    #[inline(always)]
-    fn any_one<E: Real>(&self, ray: &OneRay<E>, t_max: f32) -> bool {
-        (0..8).step_by(E::WIDTH).any(|i| self.test_one(ray, i, t_max).1.any())
     }
     #[inline(always)]
     fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
@@ -274,16 +266,35 @@ impl SphereBlock {
         block
     }
     #[inline(always)]
-    fn test_one<E: Real>(&self, ray: &OneRay<E>, i: usize, t_best: f32) -> Option<(E::Mask, E)> {
-        let center = axes(|k| E::load(&self.center[k][i..]));
-        let radius = E::load(&self.radius[i..]);
-        let (mask, t) = test_sphere(&ray.setup, center, radius, E::splat(t_best), E::Mask::splat(true))?;
-        Some((mask & t.lt(E::splat(ray.t_max)), t))
-    }
-    #[inline(always)]
     fn test_packet<R: Real>(&self, ray: &PacketRay<R>, i: usize, t_best: R, active: R::Mask) -> Option<(R::Mask, R)> {
         let center = axes(|k| R::splat(self.center[k][i]));
         test_sphere(ray.setup, center, R::splat(self.radius[i]), t_best, active)
+    }
+}
+
+impl Leaf for SphereBlock {
+    #[inline(always)]
+    fn passed<E: Real>(&self, _: &OneRay<E>, _: &mut EdgeValues) -> u32 {
+        filled(&self.id)
+    }
+    #[inline(always)]
+    fn id(&self, place: usize) -> u32 {
+        self.id[place]
+    }
+    #[inline(always)]
+    fn meet<E: Real>(found: &Found<'_, Self>, ray: &RaySetup<E>) -> (E::Mask, E, E, E) {
+        let center = axes(|k| found.gather(|block, place| block.center[k][place]));
+        let radius = found.gather(|block, place| block.radius[place]);
+        let (far, all) = (E::splat(f32::INFINITY), E::Mask::splat(true));
+        let (hits, t) = test_sphere(ray, center, radius, far, all).unwrap_or((E::Mask::splat(false), far));
+        (hits, t, E::zero(), E::zero())
+    }
+    #[inline(always)]
+    fn meet_one(&self, place: usize, ray: &OneRay<f32>, _: &EdgeValues) -> (bool, OneHit) {
+        let center = axes(|k| self.center[k][place]);
+        let found = test_sphere(&ray.setup, center, self.radius[place], ray.t_max, true);
+        let (hit, t) = found.unwrap_or((false, 0.0));
+        (hit & (t < ray.t_max), OneHit { t, primitive: self.id[place], u: 0.0, v: 0.0 })
     }
 }
 
@@ -291,23 +302,6 @@ impl Block for SphereBlock {
     #[inline(always)]
     fn places<E: Real>(&self, _: Option<&Interval<E>>, _: f32) -> u32 {
         filled(&self.id)
-    }
-    #[inline(always)]
-    fn may_hit<E: Real>(&self, _: &OneRay<E>) -> bool {
-        true
-    }
-    #[inline(always)]
-    fn closest_one<E: Real>(&self, ray: &OneRay<E>, best: &mut OneHit) {
-        for i in (0..8).step_by(E::WIDTH) {
-            let Some((mask, t)) = self.test_one(ray, i, best.t) else { continue };
-            if keep_one(mask, t, &self.id, i, best).1 {
-                (best.u, best.v) = (0.0, 0.0);
-            }
-        }
-    }
-    #[inline(always)]
-    fn any_one<E: Real>(&self, ray: &OneRay<E>, t_max: f32) -> bool {
-        (0..8).step_by(E::WIDTH).any(|i| self.test_one(ray, i, t_max).is_some_and(|(mask, _)| mask.any()))
     }
     #[inline(always)]
     fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, active: R::Mask, hit: &mut Hit<R>, t_max: R) {

@@ -1,74 +1,137 @@
 //! The rays of a [`Stream`](super::Stream) that are in flight, and their stacks.
 
 use super::lanes::Lanes;
+use super::leaf::EdgeValues;
 use super::node::Child;
 use super::tree::{OneHit, STACK};
-use crate::geometry::{MISS, Ray, RaySetup};
-use crate::lane::{Mask, Real};
+use crate::geometry::{Hit, MISS, Ray, RaySetup};
+use crate::lane::{Bits, Mask, Real};
 use std::cell::RefCell;
 
 /// Rays in flight at most.
 pub const RAYS: usize = 64;
 
-/// Places below every stack whose entries are always open and lead nowhere, so that there is always one to take.
+/// Places below every stack whose entries are always open and lead to [`Child::DONE`], so that there is always one to
+/// take.
 pub const FLOOR: usize = 8;
 
 /// Children that a ray may be [given](Flight::give) before it sets out.
 const GIVEN: usize = 64;
 
-/// Children still to visit, for each ray.
+/// Places of one ray's stack.
+const PLACES: usize = FLOOR + GIVEN + STACK;
+
+/// Primitives between whose edges rays passed in the blocks where they are.
+pub struct Candidates {
+    /// Of each block.
+    pub edges: [EdgeValues; RAYS],
+    /// 8 times the ray's and block's place in the list of blocks, and the place in the block. There is room for a
+    /// register past all.
+    pub words: [u32; 8 * RAYS + 8],
+}
+
+impl Candidates {
+    /// The place in the list of blocks, and the place in the block.
+    #[inline(always)]
+    pub fn at(&self, at: usize) -> (usize, usize) {
+        let word = self.words[at] as usize;
+        (word / 8 % RAYS, word % 8)
+    }
+}
+
+/// Children still to visit, the stacks of all rays one after another.
 pub struct Stacks {
-    pub t_near: [[f32; FLOOR + GIVEN + STACK]; RAYS],
-    pub child: [[u32; FLOOR + GIVEN + STACK]; RAYS],
+    pub t_near: [f32; RAYS * PLACES],
+    pub child: [u32; RAYS * PLACES],
+}
+
+/// The best hits so far, laid out as they are read at the end.
+pub struct Best {
+    pub t: [f32; RAYS],
+    pub primitive: [u32; RAYS],
+    pub u: [f32; RAYS],
+    pub v: [f32; RAYS],
 }
 
 /// The rays in flight.
 #[repr(C, align(64))]
 pub struct Flight {
     pub lanes: Lanes<RAYS>,
-    pub best: [OneHit; RAYS],
+    pub best: Best,
     /// First free place of each ray's stack.
     pub top: [u32; RAYS],
+    pub candidates: Candidates,
     pub stacks: Stacks,
+    /// Have the stacks their floors? Nothing is ever written there again.
+    floored: bool,
 }
-
-const NO_HIT: OneHit = OneHit { t: 0.0, primitive: MISS, u: 0.0, v: 0.0 };
 
 thread_local! {
     // Too large to clear for every packet, and what a walk leaves behind is never read.
     pub static FLIGHT: RefCell<Flight> = const {
         RefCell::new(Flight {
             lanes: Lanes::ZERO,
-            best: [NO_HIT; RAYS],
-            top: [FLOOR as u32; RAYS],
-            stacks: Stacks {
-                t_near: [[0.0; FLOOR + GIVEN + STACK]; RAYS],
-                child: [[0; FLOOR + GIVEN + STACK]; RAYS],
-            },
+            best: Best { t: [0.0; RAYS], primitive: [0; RAYS], u: [0.0; RAYS], v: [0.0; RAYS] },
+            top: [0; RAYS],
+            candidates: Candidates { edges: [EdgeValues::ZERO; RAYS], words: [0; 8 * RAYS + 8] },
+            stacks: Stacks { t_near: [0.0; RAYS * PLACES], child: [0; RAYS * PLACES] },
+            floored: false,
         })
     };
+}
+
+impl Best {
+    /// Takes `found` where it is a `hit` and better than ray `i`'s.
+    #[inline(always)]
+    pub fn keep(&mut self, i: usize, hit: bool, found: OneHit) {
+        let mut best = OneHit { t: self.t[i], primitive: self.primitive[i], u: self.u[i], v: self.v[i] };
+        best.keep(hit, found);
+        (self.t[i], self.primitive[i], self.u[i], self.v[i]) = (best.t, best.primitive, best.u, best.v);
+    }
+    /// Of the packet of rays `first` …
+    #[inline(always)]
+    pub fn packet<R: Real>(&self, first: usize) -> Hit<R> {
+        let all = first..first + R::WIDTH;
+        Hit {
+            t: R::load(&self.t[all.clone()]),
+            primitive: R::Bits::load(&self.primitive[all.clone()]),
+            u: R::load(&self.u[all.clone()]),
+            v: R::load(&self.v[all]),
+        }
+    }
 }
 
 impl Flight {
     /// Lays out the packet of rays `first` …, none of which has hit anything or been given a child.
     #[inline(always)]
     pub fn board<R: Real>(&mut self, first: usize, setup: &RaySetup<R>, t_max: R) {
+        let all = first..first + R::WIDTH;
         self.lanes.set(first, setup, t_max);
-        let t = self.lanes.t_max;
-        for i in first..first + R::WIDTH {
-            self.best[i % RAYS] = OneHit { t: t[i % RAYS], ..NO_HIT };
-        }
+        t_max.store(&mut self.best.t[all.clone()]);
+        R::Bits::splat(MISS).store(&mut self.best.primitive[all.clone()]);
+        R::zero().store(&mut self.best.u[all.clone()]);
+        R::zero().store(&mut self.best.v[all]);
         self.empty_stacks(first, R::WIDTH);
     }
 
     /// Of `count` rays from `first` on.
     #[inline(always)]
     pub fn empty_stacks(&mut self, first: usize, count: usize) {
-        for i in first..first + count {
-            self.stacks.t_near[i][..FLOOR].fill(f32::NEG_INFINITY);
-            self.stacks.child[i][..FLOOR].fill(Child::NONE.0);
-            self.top[i] = FLOOR as u32;
+        if !self.floored {
+            self.lay_floors();
         }
+        for (i, top) in self.top.iter_mut().enumerate().skip(first).take(count) {
+            *top = (i * PLACES + FLOOR) as u32;
+        }
+    }
+
+    #[cold]
+    fn lay_floors(&mut self) {
+        for i in 0..RAYS {
+            self.stacks.t_near[i * PLACES..][..FLOOR].fill(f32::NEG_INFINITY);
+            self.stacks.child[i * PLACES..][..FLOOR].fill(Child::DONE.0);
+        }
+        self.floored = true;
     }
 
     /// Leaves `child` to each of the rays `first` + `bits`, on which they will find it. False, and nothing done, where
@@ -76,14 +139,14 @@ impl Flight {
     #[inline(always)]
     pub fn give(&mut self, first: usize, bits: u32, child: Child) -> bool {
         let rays = || super::lanes::ones(bits).map(|lane| (first + lane) % RAYS);
-        if rays().any(|i| self.top[i] as usize >= FLOOR + GIVEN) {
+        if rays().any(|i| self.top[i] as usize >= i * PLACES + FLOOR + GIVEN) {
             return false;
         }
         for i in rays() {
             let top = self.top[i] as usize;
             // Open whatever is hit before.
-            self.stacks.t_near[i][top] = 0.0;
-            self.stacks.child[i][top] = child.0;
+            self.stacks.t_near[top] = 0.0;
+            self.stacks.child[top] = child.0;
             self.top[i] = top as u32 + 1;
         }
         true

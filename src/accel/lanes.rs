@@ -1,8 +1,8 @@
 //! Rays laid out by value, to be taken one at a time.
 
 use super::tree::OneRay;
-use crate::geometry::{RaySetup, Shear};
-use crate::lane::{Bits, MAX_WIDTH, Mask, Real, axes};
+use crate::geometry::{Ray, RaySetup, Shear};
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3, axes};
 
 /// `N` rays: a packet, or all that are in flight together.
 pub struct Lanes<const N: usize> {
@@ -49,6 +49,13 @@ impl<const N: usize> Lanes<N> {
         let bit = |k: usize| R::Bits::select(setup.negative[k], R::Bits::splat(1 << k), R::Bits::splat(0));
         (bit(0) | bit(1) | bit(2)).store(&mut self.octant[first..first + R::WIDTH]);
         put(t_max, &mut self.t_max, first);
+    }
+    /// The rays `i`, a lane each.
+    #[inline(always)]
+    pub fn gather<E: Real>(&self, i: [usize; 8]) -> Ray<E> {
+        let of = |column: &[f32; N]| E::from_fn(|l| column[i[l]]);
+        let vector = |v: &[[f32; N]; 3]| Vec3::new(of(&v[0]), of(&v[1]), of(&v[2]));
+        Ray::new(vector(&self.origin), vector(&self.direction), of(&self.t_max))
     }
     #[inline(always)]
     pub fn ray<E: Real>(&self, i: usize) -> OneRay<E> {

@@ -14,6 +14,8 @@ mod facets;
 mod flight;
 mod interval;
 mod lanes;
+mod leaf;
+mod lists;
 mod node;
 mod packet;
 mod pairs;

@@ -2,26 +2,8 @@
 
 use super::tree::OneRay;
 use crate::geometry::Bounds;
-use crate::geometry::slab::{FAR_PAD, slab};
+use crate::geometry::slab::slab;
 use crate::lane::{Bits, Real, axes};
-
-/// For each octant and axis, what sends (lower, upper) planes to (near, far) halves.
-static SIDES: [[[u32; 16]; 3]; 8] = {
-    let mut sides = [[[0; 16]; 3]; 8];
-    let (mut octant, mut axis, mut lane) = (0, 0, 0);
-    while octant < 8 {
-        let upper = (lane as u32) & 8;
-        sides[octant][axis][lane] = if octant >> axis & 1 != 0 { upper ^ 8 } else { upper };
-        lane += 1;
-        if lane == 16 {
-            (lane, axis) = (0, axis + 1);
-        }
-        if axis == 3 {
-            (axis, octant) = (0, octant + 1);
-        }
-    }
-    sides
-};
 
 /// What a node's child slot, or a tree's root, refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +13,8 @@ impl Child {
     const LEAF: u32 = 1 << 30;
     /// A root with nothing below it.
     pub const NONE: Self = Self(1 << 31);
+    /// What a ray finds on its stack below all children.
+    pub const DONE: Self = Self(3 << 30);
 
     pub fn node(index: usize) -> Self {
         Self(index as u32)
@@ -40,12 +24,12 @@ impl Child {
     }
     #[inline(always)]
     pub fn is_leaf(self) -> bool {
-        self.0 & Self::LEAF != 0
+        self.kind() == 1
     }
-    /// 0 for a node, 1 for a block, 2 for [`Child::NONE`].
+    /// 0 for a node, 1 for a block, 2 for [`Child::NONE`], 3 for [`Child::DONE`].
     #[inline(always)]
-    pub fn kind(self) -> usize {
-        (self.0 >> 30) as usize
+    pub fn kind(self) -> u32 {
+        self.0 >> 30
     }
     /// Index of the node or block.
     #[inline(always)]
@@ -93,44 +77,17 @@ impl Node {
         slab(near, far, ray.setup.origin, ray.setup.inverse)
     }
 
-    /// [`Node::enter`] of all eight children, the farthest first: the lower planes of an axis in lanes 0 … 7, the upper
-    /// in 8 … 15, and one permutation brings near and far to their halves and the children into order.
-    #[inline(always)]
-    fn enter16<R: Real>(&self, ray: &OneRay<R>) -> (R::Eight, R::Eight) {
-        let octant = ray.octant;
-        let order = R::Bits::unpack_octal(self.order[octant]) & R::Bits::splat(7);
-        let (mut near, mut far) = (R::zero(), R::splat(f32::INFINITY));
-        for (k, sides) in SIDES[octant].iter().enumerate() {
-            let planes = R::load(self.planes.as_chunks::<2>().0[k].as_flattened());
-            let planes = planes.permute(order ^ R::Bits::load(sides));
-            let t = (planes - ray.setup.origin[k]) * ray.setup.inverse[k];
-            near = t.max_or(near);
-            far = t.min_or(far);
-        }
-        (near.lower(), far.upper() * R::Eight::splat(FAR_PAD))
-    }
-
     /// The children that a ray enters before `t_best`, as bits in the octant's order (the nearest is the highest), where
     /// it enters them, and all the child words, in that order.
     #[inline(always)]
-    pub fn entered<R: Real>(&self, ray: &OneRay<R>, t_best: f32) -> (u32, R::Eight, <R::Eight as Real>::Bits) {
-        let order = <R::Eight as Real>::Bits::unpack_octal(self.order[ray.octant]);
-        let (t_near, t_far) = if R::WIDTH == 16 {
-            self.enter16(ray)
-        } else {
-            let ray = ray.eight();
-            let (t_near, t_far) = self.enter(&ray, 0);
-            (t_near.permute(order), t_far.permute(order))
-        };
-        let bits = t_near.le_bits(t_far.min_or(R::Eight::splat(t_best)));
-        (bits, t_near, R::Eight::from_bits(<R::Eight as Real>::Bits::load(&self.children)).permute(order).to_bits())
+    pub fn entered<E: Real>(&self, ray: &OneRay<E>, t_best: f32) -> (u32, E, E::Bits) {
+        let order = E::Bits::unpack_octal(self.order[ray.octant]);
+        let (t_near, t_far) = self.enter(ray, 0);
+        let (t_near, t_far) = (t_near.permute(order), t_far.permute(order));
+        let bits = t_near.le_bits(t_far.min_or(E::splat(t_best)));
+        (bits, t_near, E::from_bits(E::Bits::load(&self.children)).permute(order).to_bits())
     }
 
-    /// The child at `place` of the octant's order.
-    #[inline(always)]
-    pub fn child_at(&self, octant: usize, place: u32) -> Child {
-        Child(self.children[(self.order[octant] >> (3 * place)) as usize & 7])
-    }
     #[inline(always)]
     pub fn count(&self) -> usize {
         (self.order[0] >> 24) as usize

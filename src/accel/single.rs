@@ -1,6 +1,7 @@
 //! One ray at a time through the tree, against eight boxes or primitives at once.
 
 use super::lanes::Lanes;
+use super::leaf::EdgeValues;
 use super::node::{Child, Node};
 use super::tree::{Block, OneHit, OneRay, STACK, Tree};
 use super::{Accel, Mode, Single};
@@ -55,12 +56,20 @@ impl Stack {
 }
 
 #[inline(always)]
-fn closest<B: Block, E: Real>(tree: &Tree<B>, ray: &OneRay<E>, stack: &mut Stack, best: &mut OneHit) {
+fn closest<B: Block, E: Real>(
+    tree: &Tree<B>,
+    ray: &OneRay<E>,
+    one: &OneRay<f32>,
+    stack: &mut Stack,
+    best: &mut OneHit,
+) {
+    let mut edges = EdgeValues::ZERO;
     let mut next = Some((0.0, tree.root));
     while let Some((t_near, child)) = next {
         if t_near <= best.t {
             if child.is_leaf() {
-                tree.blocks[child.index()].closest_one(ray, best);
+                let block = &tree.blocks[child.index()];
+                block.closest_of(block.passed(ray, &mut edges), one, &edges, best);
             } else {
                 stack.push_children(&tree.nodes[child.index()], ray, best.t);
             }
@@ -70,11 +79,13 @@ fn closest<B: Block, E: Real>(tree: &Tree<B>, ray: &OneRay<E>, stack: &mut Stack
 }
 
 #[inline(always)]
-fn any<B: Block, E: Real>(tree: &Tree<B>, ray: &OneRay<E>, stack: &mut Stack) -> bool {
+fn any<B: Block, E: Real>(tree: &Tree<B>, ray: &OneRay<E>, one: &OneRay<f32>, stack: &mut Stack) -> bool {
+    let mut edges = EdgeValues::ZERO;
     let mut next = Some((0.0, tree.root));
     while let Some((_, child)) = next {
         if child.is_leaf() {
-            if tree.blocks[child.index()].any_one(ray, ray.t_max) {
+            let block = &tree.blocks[child.index()];
+            if block.any_of(block.passed(ray, &mut edges), one, &edges) {
                 stack.len = 0;
                 return true;
             }
@@ -97,13 +108,13 @@ impl Mode for Single {
         while bits != 0 {
             let i = bits.trailing_zeros() as usize & 15;
             bits &= bits - 1;
-            let ray = lanes.ray::<R::Eight>(i);
+            let (ray, one) = (lanes.ray::<R::Eight>(i), lanes.ray::<f32>(i));
             let mut best = OneHit { t: ray.t_max, primitive: MISS, u: 0.0, v: 0.0 };
             if accel.triangle_tree.root != Child::NONE {
-                closest(&accel.triangle_tree, &ray, &mut stack, &mut best);
+                closest(&accel.triangle_tree, &ray, &one, &mut stack, &mut best);
             }
             if accel.sphere_tree.root != Child::NONE {
-                closest(&accel.sphere_tree, &ray, &mut stack, &mut best);
+                closest(&accel.sphere_tree, &ray, &one, &mut stack, &mut best);
             }
             (t[i], u[i], v[i], primitive[i]) = (best.t, best.u, best.v, best.primitive);
         }
@@ -117,9 +128,9 @@ impl Mode for Single {
         while bits != 0 {
             let i = bits.trailing_zeros() as usize & 15;
             bits &= bits - 1;
-            let ray = lanes.ray::<R::Eight>(i);
-            let hit = accel.triangle_tree.root != Child::NONE && any(&accel.triangle_tree, &ray, &mut stack)
-                || accel.sphere_tree.root != Child::NONE && any(&accel.sphere_tree, &ray, &mut stack);
+            let (ray, one) = (lanes.ray::<R::Eight>(i), lanes.ray::<f32>(i));
+            let hit = accel.triangle_tree.root != Child::NONE && any(&accel.triangle_tree, &ray, &one, &mut stack)
+                || accel.sphere_tree.root != Child::NONE && any(&accel.sphere_tree, &ray, &one, &mut stack);
             found |= u32::from(hit) << i;
         }
         R::Mask::from_bits(found)

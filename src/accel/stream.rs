@@ -1,45 +1,32 @@
 //! Many rays in flight, one step each in turn.
 //!
 //! A single ray waits for itself: which node comes next depends on the last test, 34 cycles for 4 of arithmetic, and on
-//! branches no predictor knows. Here each ray is in one of four lists (at a node, at a block, at a block where it passes
-//! between some triangle's edges, looking for its next child) and a step moves it to another by arithmetic instead of a
-//! branch, so that the steps of different rays overlap, and what a ray needs next is fetched while the others move.
+//! branches no predictor knows. Here each ray is in one of three lists (at a node, at a block, looking for its next child)
+//! and a step moves it to another by arithmetic instead of a branch, so that the steps of different rays overlap, and what
+//! a ray needs next is fetched while the others move. Work is cut into short loops over a list, each of which stores where
+//! it is known beforehand: a processor overlaps some three node tests, and only if nothing is stored at an address that
+//! one of them has yet to find.
 
-use super::flight::{FLIGHT, FLOOR, Flight, RAYS, Stacks, board};
+use super::flight::{Best, Candidates, FLIGHT, FLOOR, Flight, RAYS, Stacks, board};
 use super::lanes::Lanes;
+use super::leaf::Found;
+use super::lists::{BLOCKS, Counts, Lists, NODES, POPS};
 use super::node::{Child, Node};
-use super::tree::{Block, OneHit, OneRay, Tree};
+use super::tree::{Block, OneHit, Tree};
 use super::{Accel, Mode, Single, Stream};
 use crate::geometry::{Hit, MISS, Ray, RaySetup};
+use crate::lane::array::{from_fn, map};
 use crate::lane::{Bits, Mask, Real};
 use core::hint::select_unpredictable;
 
-/// Rays by what they need next: a node tested, a block tested, a child found.
-struct Lists {
-    nodes: [u8; RAYS],
-    blocks: [u8; RAYS],
-    pops: [u8; RAYS],
-}
+/// Fewer candidates than this are met one after another, more side by side. Found by measuring.
+const FEW: usize = 4;
 
-/// How long the lists are: apart from them, so that it stays in registers.
-#[derive(Clone, Copy, Default)]
-struct Lens {
-    nodes: usize,
-    blocks: usize,
-    pops: usize,
-}
+/// Is told of each candidate: the ray, whether it hits, and how.
+pub trait Keep: Fn(&mut Best, usize, bool, OneHit) {}
+impl<F: Fn(&mut Best, usize, bool, OneHit)> Keep for F {}
 
-/// Appends where `wanted`. Writing over what was already read is fine: a list never overtakes its reader.
-#[inline(always)]
-fn push_if(list: &mut [u8; RAYS], len: &mut usize, ray: usize, wanted: bool) {
-    list[*len % RAYS] = ray as u8;
-    *len += usize::from(wanted);
-}
-#[inline(always)]
-fn at(list: &[u8; RAYS], k: usize) -> usize {
-    list[k % RAYS] as usize % RAYS
-}
-
+/// The rays of a flight on their way through a tree.
 struct Walk<'a, B> {
     tree: &'a Tree<B>,
     stacks: &'a mut Stacks,
@@ -50,88 +37,144 @@ struct Walk<'a, B> {
 }
 
 impl<B: Block> Walk<'_, B> {
-    /// Sends ray `i` to `child`, or to look for one if there is `none`.
+    /// Sends the first rays of a list that was [taken](Counts::take) to the last child of their stacks if they enter it
+    /// before their best hit, and else to look for another.
+    ///
+    /// A loop of its own: where a push goes, and what was stored, is known when the step before it is finished, and until
+    /// then the processor would hold back whatever is read after it.
     #[inline(always)]
-    fn send(&mut self, lens: &mut Lens, i: usize, child: Child, some: bool) {
-        self.child[i] = child;
-        push_if(&mut self.lists.nodes, &mut lens.nodes, i, some & (child.kind() == 0));
-        push_if(&mut self.lists.blocks, &mut lens.blocks, i, some & child.is_leaf());
-        push_if(&mut self.lists.pops, &mut lens.pops, i, !some);
+    fn send(&mut self, counts: &mut Counts, kind: u32, count: usize, t_best: &[f32; RAYS]) {
+        for k in 0..count {
+            let i = self.lists.at(kind, k);
+            let place = self.top[i] as usize;
+            let (t_near, child) = (self.stacks.t_near[place], self.stacks.child[place]);
+            let child = Child(select_unpredictable(t_near <= t_best[i], child, Child::NONE.0));
+            self.child[i] = child;
+            if self.tree.far {
+                self.tree.prefetch(child);
+            }
+            self.lists.push(counts, i, child.kind());
+        }
     }
 
-    /// Sends ray `i` to the nearest child of its stack that is entered before `t_best`, or to look among the next.
+    /// Tests the children of ray `i`'s node and pushes those that are entered before its best hit, the nearest last. The
+    /// top is left at the last child, which is an older one where none is entered.
     #[inline(always)]
-    fn pop<E: Real>(&mut self, lens: &mut Lens, i: usize, t_best: f32) {
-        let below = self.top[i] as usize - FLOOR;
-        let open = E::load(&self.stacks.t_near[i][below..]).le_bits(E::splat(t_best));
-        let place = below + (u32::BITS - open.leading_zeros()).saturating_sub(1) as usize;
-        self.top[i] = place as u32;
-        self.send(lens, i, Child(self.stacks.child[i][place]), open != 0);
-    }
-
-    /// Tests the children of ray `i`'s node, goes to the nearest of those entered before its best hit and pushes the
-    /// others.
-    #[inline(always)]
-    fn step<R: Real>(&mut self, lens: &mut Lens, i: usize, lanes: &Lanes<RAYS>, best: &[OneHit; RAYS]) {
+    fn step<E: Real>(&mut self, i: usize, lanes: &Lanes<RAYS>, t_best: f32) {
         // Everything that can be out of bounds first: what follows is one block, whose loads fold into broadcasts.
         let node: &Node = &self.tree.nodes[self.child[i].index()];
         let top = self.top[i] as usize;
-        let t_nears = &mut self.stacks.t_near[i][top..top + 8];
-        let children = &mut self.stacks.child[i][top..top + 8];
-        let ray = lanes.ray::<R>(i);
-        let (bits, t_near, words) = node.entered(&ray, best[i].t);
+        let t_nears = &mut self.stacks.t_near[top..top + 8];
+        let children = &mut self.stacks.child[top..top + 8];
+        let (bits, t_near, words) = node.entered(&lanes.ray::<E>(i), t_best);
         t_near.compress(bits).store(t_nears);
-        R::Eight::from_bits(words).compress(bits).to_bits().store(children);
-        // The last of what was pushed is the nearest, and stays above the top.
-        self.top[i] = top as u32 + bits.count_ones().saturating_sub(1);
-        let nearest = node.child_at(ray.octant, (bits | 1).ilog2());
-        self.send(lens, i, nearest, bits != 0);
+        E::from_bits(words).compress(bits).to_bits().store(children);
+        self.top[i] = (top as u32 + bits.count_ones()) - 1;
+    }
+
+    /// Takes from the stack of ray `i` those of the last eight children that it enters no more.
+    #[inline(always)]
+    fn pop<E: Real>(&mut self, i: usize, t_best: f32) {
+        let below = self.top[i] as usize - FLOOR;
+        let open = E::load(&self.stacks.t_near[below..]).le_bits(E::splat(t_best));
+        self.top[i] = below as u32 + (open | 1).ilog2();
+    }
+
+    /// Lists as candidates what the first `count` rays at blocks may hit there; how many.
+    #[inline(always)]
+    fn edges<E: Real>(&self, count: usize, lanes: &Lanes<RAYS>, found: &mut Candidates) -> usize {
+        let mut passed = [0u32; RAYS];
+        for k in 0..count {
+            let i = self.lists.at(BLOCKS, k);
+            let block = &self.tree.blocks[self.child[i].index()];
+            passed[k % RAYS] = block.passed(&lanes.ray::<E>(i), &mut found.edges[k % RAYS]);
+        }
+        let places = E::Bits::load(&[0, 1, 2, 3, 4, 5, 6, 7]);
+        let mut len = 0;
+        for (k, bits) in passed[..count].iter().enumerate() {
+            let all = E::from_bits(places + E::Bits::splat(8 * k as u32));
+            all.compress(*bits).to_bits().store(&mut found.words[len..]);
+            len += bits.count_ones() as usize;
+        }
+        // Past the end stands the last again: a hit twice changes nothing.
+        if len > 0 {
+            E::Bits::splat(found.words[len - 1]).store(&mut found.words[len..]);
+        }
+        len
+    }
+
+    /// Meets the first `len` candidates.
+    #[inline(always)]
+    fn meet<E: Real>(&self, len: usize, lanes: &Lanes<RAYS>, found: &Candidates, best: &mut Best, keep: impl Keep) {
+        let eights = if len % 8 < FEW { len - len % 8 } else { len };
+        for first in (0..eights).step_by(8) {
+            self.meet_eight::<E>(first, lanes, found, best, &keep);
+        }
+        for at in eights..len {
+            let (k, place) = found.at(at);
+            let i = self.lists.at(BLOCKS, k);
+            let block = &self.tree.blocks[self.child[i].index()];
+            let (hit, found) = block.meet_one(place, &lanes.ray(i), &found.edges[k]);
+            keep(best, i, hit, found);
+        }
+    }
+
+    /// Meets eight candidates from `first` on.
+    #[inline(always)]
+    fn meet_eight<E: Real>(
+        &self,
+        first: usize,
+        lanes: &Lanes<RAYS>,
+        found: &Candidates,
+        best: &mut Best,
+        keep: impl Keep,
+    ) {
+        let eight: [_; 8] = from_fn(|l| found.at(first + l));
+        let i = map(eight, |(k, _)| self.lists.at(BLOCKS, k));
+        let ray = lanes.gather::<E>(i);
+        let blocks = map(i, |i| &self.tree.blocks[self.child[i].index()]);
+        let places = map(eight, |(_, place)| place);
+        let found = Found { blocks, places, edges: map(eight, |(k, _)| &found.edges[k]) };
+        let (hits, t, u, v) = B::meet(&found, &RaySetup::new(&ray));
+        let hits = (hits & t.lt(ray.t_max)).bits();
+        for (l, i) in i.into_iter().enumerate() {
+            let hit = OneHit { t: t.lane(l), primitive: blocks[l].id(places[l]), u: u.lane(l), v: v.lane(l) };
+            keep(best, i, hits >> l & 1 != 0, hit);
+        }
     }
 }
 
-/// Walks the rays of `bits` from the root on, or what they were [given](Flight::give). `leaf` tests one against a block
-/// that [may be hit](Block::may_hit) and says whether the ray wants more.
+/// Walks the rays of `bits` from the root on, or what they were [given](Flight::give). `keep` is told of each that meets a
+/// primitive whether it hits, and how.
 #[inline(always)]
-pub fn walk<B: Block, R: Real>(
-    tree: &Tree<B>,
-    flight: &mut Flight,
-    bits: u64,
-    given: bool,
-    leaf: impl Fn(&B, &OneRay<R::Eight>, &mut OneHit) -> bool,
-) {
+pub fn walk<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: u64, given: bool, keep: impl Keep) {
     if tree.root == Child::NONE {
         return;
     }
-    let Flight { lanes, best, stacks, top } = flight;
-    let lists = Lists { nodes: [0; RAYS], blocks: [0; RAYS], pops: [0; RAYS] };
-    let mut walk = Walk { tree, stacks, top: *top, child: [tree.root; RAYS], lists };
-    let mut lens = Lens::default();
+    let Flight { lanes, best, stacks, top, candidates, .. } = flight;
+    let mut walk = Walk { tree, stacks, top: *top, child: [tree.root; RAYS], lists: Lists::EMPTY };
+    let mut counts = Counts::default();
+    let first = if given { POPS } else { tree.root.kind() };
     for i in (0..RAYS).filter(|i| bits >> i & 1 != 0) {
-        push_if(&mut walk.lists.pops, &mut lens.pops, i, given);
-        push_if(&mut walk.lists.nodes, &mut lens.nodes, i, !given & !tree.root.is_leaf());
-        push_if(&mut walk.lists.blocks, &mut lens.blocks, i, !given & tree.root.is_leaf());
+        walk.lists.push(&mut counts, i, first);
     }
-    let mut candidates = [0u8; RAYS];
-    while lens.nodes + lens.blocks + lens.pops > 0 {
-        for k in 0..core::mem::take(&mut lens.nodes) {
-            let i = at(&walk.lists.nodes, k);
-            walk.step::<R>(&mut lens, i, lanes, best);
+    while !counts.none() {
+        let nodes = counts.take(NODES);
+        for k in 0..nodes {
+            let i = walk.lists.at(NODES, k);
+            walk.step::<R::Eight>(i, lanes, best.t[i]);
         }
-        let mut count = 0;
-        for k in 0..core::mem::take(&mut lens.blocks) {
-            let i = at(&walk.lists.blocks, k);
-            let may_hit = tree.blocks[walk.child[i].index()].may_hit(&lanes.ray::<R::Eight>(i));
-            push_if(&mut candidates, &mut count, i, may_hit);
-            push_if(&mut walk.lists.pops, &mut lens.pops, i, !may_hit);
-        }
-        for k in 0..count {
-            let i = at(&candidates, k);
-            let more = leaf(&tree.blocks[walk.child[i].index()], &lanes.ray(i), &mut best[i]);
-            push_if(&mut walk.lists.pops, &mut lens.pops, i, more);
-        }
-        for k in 0..core::mem::take(&mut lens.pops) {
-            let i = at(&walk.lists.pops, k);
-            walk.pop::<R::Eight>(&mut lens, i, best[i].t);
+        walk.send(&mut counts, NODES, nodes, &best.t);
+        let blocks = counts.take(BLOCKS);
+        let found = walk.edges::<R::Eight>(blocks, lanes, candidates);
+        walk.meet::<R::Eight>(found, lanes, candidates, best, &keep);
+        for kind in [BLOCKS, POPS] {
+            let count = if kind == BLOCKS { blocks } else { counts.take(POPS) };
+            for k in 0..count {
+                let i = walk.lists.at(kind, k);
+                walk.pop::<R::Eight>(i, best.t[i]);
+            }
+            walk.send(&mut counts, kind, count, &best.t);
         }
     }
 }
@@ -141,24 +184,13 @@ pub fn walk<B: Block, R: Real>(
 fn closest<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &mut [Hit<R>]) {
     FLIGHT.with_borrow_mut(|flight| {
         let bits = board(flight, rays, active);
-        walk::<_, R>(&accel.triangle_tree, flight, bits, false, |block, ray, best| {
-            block.closest_one(ray, best);
-            true
-        });
+        walk::<_, R>(&accel.triangle_tree, flight, bits, false, Best::keep);
         if accel.sphere_tree.root != Child::NONE {
             flight.empty_stacks(0, rays.len() * R::WIDTH);
-            walk::<_, R>(&accel.sphere_tree, flight, bits, false, |block, ray, best| {
-                block.closest_one(ray, best);
-                true
-            });
+            walk::<_, R>(&accel.sphere_tree, flight, bits, false, Best::keep);
         }
-        for (hit, best) in hits.iter_mut().zip(flight.best.chunks_exact(R::WIDTH)) {
-            *hit = Hit {
-                t: R::from_fn(|i| best[i].t),
-                primitive: R::Bits::from_fn(|i| best[i].primitive),
-                u: R::from_fn(|i| best[i].u),
-                v: R::from_fn(|i| best[i].v),
-            };
+        for (k, hit) in hits.iter_mut().enumerate() {
+            *hit = flight.best.packet(k * R::WIDTH);
         }
     })
 }
@@ -166,12 +198,12 @@ fn closest<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &m
 /// Which rays of `bits` hit anything of a tree; those that do not are left.
 #[inline(always)]
 pub fn any_of<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: u64, given: bool) -> u64 {
-    walk::<B, R>(tree, flight, bits, given, |block, ray, best| {
-        let hit = block.any_one(ray, ray.t_max);
-        best.primitive = select_unpredictable(hit, 0, MISS);
-        !hit
+    walk::<B, R>(tree, flight, bits, given, |best, i, hit, _| {
+        best.primitive[i] = select_unpredictable(hit, 0, best.primitive[i]);
+        // Nothing on its stack is entered so soon, but the floor.
+        best.t[i] = select_unpredictable(hit, f32::NEG_INFINITY, best.t[i]);
     });
-    let hit = |i: &usize| bits >> i & 1 != 0 && flight.best[*i].primitive != MISS;
+    let hit = |i: &usize| bits >> i & 1 != 0 && flight.best.primitive[*i] != MISS;
     (0..RAYS).filter(hit).fold(0u64, |bits, i| bits | 1 << i)
 }
 

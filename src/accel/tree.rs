@@ -2,10 +2,12 @@
 
 use super::collapse::collapse;
 use super::interval::Interval;
+use super::leaf::Leaf;
 use super::node::{Child, Node};
 use super::{Preset, build};
-use crate::geometry::{Bounds, Hit, RaySetup, Shear};
-use crate::lane::{Bits, Mask, Real, axes};
+use crate::geometry::{Bounds, Hit, RaySetup};
+use crate::lane::{Bits, Mask, Real, axes, prefetch};
+use core::hint::select_unpredictable;
 
 /// Nodes on the longest way down are at most this many (see [`collapse`]), so a walk never holds more than
 /// [`STACK`] entries: each node leaves at most seven behind, and is stored as eight.
@@ -13,12 +15,7 @@ pub const MAX_DEPTH: usize = 36;
 pub const STACK: usize = MAX_DEPTH * 7 + 16;
 
 /// Up to eight primitives side by side.
-pub trait Block: Copy + Send + Sync {
-    /// Cheaply, whether one ray can hit any: false only where it hits none. `E` is the width that the eight are taken in.
-    fn may_hit<E: Real>(&self, ray: &OneRay<E>) -> bool;
-    /// One ray against all.
-    fn closest_one<E: Real>(&self, ray: &OneRay<E>, best: &mut OneHit);
-    fn any_one<E: Real>(&self, ray: &OneRay<E>, t_max: f32) -> bool;
+pub trait Block: Leaf + Copy + Send + Sync {
     /// Which of them some lane of a packet may hit before `t_best`, as bits: all, where nothing is known of the packet.
     fn places<E: Real>(&self, interval: Option<&Interval<E>>, t_best: f32) -> u32;
     /// A packet against each of `places` in turn.
@@ -37,20 +34,6 @@ pub struct OneRay<E: Real> {
     /// Which octant the direction points to: bit k for a negative component k.
     pub octant: usize,
     pub t_max: f32,
-}
-
-impl<R: Real> OneRay<R> {
-    /// The same in as many lanes as a node has children.
-    #[inline(always)]
-    pub fn eight(&self) -> OneRay<R::Eight> {
-        let narrow = |v: [R; 3]| axes(|k| R::Eight::splat(v[k].lane(0)));
-        let negative = axes(|k| <R::Eight as Real>::Mask::splat(self.negative[k] != 0));
-        let order = axes(|k| <R::Eight as Real>::Bits::splat(self.order[k] as u32));
-        let shear = Shear { origin: narrow(self.setup.shear.origin), scale: narrow(self.setup.shear.scale) };
-        let (origin, direction) = (narrow(self.setup.origin), narrow(self.setup.direction));
-        let setup = RaySetup { origin, direction, inverse: narrow(self.setup.inverse), negative, order, shear };
-        OneRay { setup, order: self.order, negative: self.negative, octant: self.octant, t_max: self.t_max }
-    }
 }
 
 /// A packet, with what its active lanes have in common.
@@ -115,11 +98,17 @@ pub struct Tree<B> {
     pub blocks: Vec<B>,
     /// Nodes on the longest way down.
     pub depth: usize,
+    /// Is it too large for the caches near a core? Then it pays to [prefetch](Tree::prefetch).
+    pub far: bool,
 }
+
+/// Bytes from which a tree is [far](Tree::far). Found by measuring: a stream of rays loses 3 % by prefetching 5 MB, gains as
+/// much with 11 MB and a third with 690 MB.
+const FAR: usize = 8 << 20;
 
 impl<B> Default for Tree<B> {
     fn default() -> Self {
-        Self { root: Child::NONE, nodes: Vec::new(), blocks: Vec::new(), depth: 0 }
+        Self { root: Child::NONE, nodes: Vec::new(), blocks: Vec::new(), depth: 0, far: false }
     }
 }
 
@@ -133,7 +122,16 @@ impl<B: Block> Tree<B> {
             let all: Vec<u32> = (0..boxes.len() as u32).collect();
             return Self { root: Child::leaf(0), blocks: vec![block(&all)], ..Self::default() };
         }
-        collapse(&build::binary_tree(boxes, preset), boxes, block)
+        let tree = collapse(&build::binary_tree(boxes, preset), boxes, block);
+        Self { far: tree.node_bytes() + tree.block_bytes() >= FAR, ..tree }
+    }
+
+    /// Starts to bring the node or block that `child` names into the caches. Any child will do.
+    #[inline(always)]
+    pub fn prefetch(&self, child: Child) {
+        let block = self.blocks.as_ptr().wrapping_add(child.index());
+        let node = self.nodes.as_ptr().wrapping_add(child.index()).cast();
+        prefetch::<B>(select_unpredictable(child.is_leaf(), block, node));
     }
     pub fn node_bytes(&self) -> usize {
         core::mem::size_of_val(self.nodes.as_slice())

@@ -192,11 +192,10 @@ impl<R: Real> Edges<R> {
         Self::normalised(self.weights, self.sum)
     }
 
-    /// [`Edges::weights`] of one lane.
+    /// Of triangles that were found inside in every lane.
     #[inline(always)]
-    pub fn weights_of(&self, lane: usize) -> (f32, f32) {
-        let sum = self.sum.lane(lane);
-        (self.weights[0].lane(lane) / sum + 0.0, self.weights[1].lane(lane) / sum + 0.0)
+    pub fn passed(weights: [R; 2], sum: R, depths: [R; 3]) -> Self {
+        Self { inside: R::Mask::splat(true), weights, sum, depths }
     }
 
     /// Weights of vertices 1 and 2 from edge values and their sum. A zero has no sign: which one an edge value has depends
@@ -219,7 +218,7 @@ impl<R: Real> Edges<R> {
     ///
     /// Not Woop's sum of weighted depths: the weights of a sliver carry an error of ε·length²/area, and with it t, so that
     /// rays hit the sliver they leave. The plane of a triangle is sure to ε·length wherever the triangle is, however
-    /// thin. Seen from a low angle t is not (`STEEP`): `Edges::grazing` has those.
+    /// thin. Seen from a low angle t is not (`STEEP`): `grazing_distance` has those.
     #[inline(always)]
     pub fn distances(&self, setup: &RaySetup<R>, v0: [R; 3], normal: [R; 3], normal_size: R) -> (R::Mask, R) {
         let (mut t, steepness) = meet_plane(setup, axes(|k| v0[k] - setup.origin[k]), normal, normal_size);
@@ -228,28 +227,30 @@ impl<R: Real> Edges<R> {
         let mut hits = inside & t.gt(R::zero());
         let grazing = inside & !steep;
         if grazing.any() {
-            let (hits_low, t_low) = self.grazing(setup, t);
+            let [a, b, c] = self.depths;
+            let (hits_low, t_low) = grazing_distance(setup.shear.scale[2], a, b, c, t);
             hits = R::Mask::select(grazing, inside & hits_low, hits);
             t = R::select(grazing, t_low, t);
         }
         (hits, t)
     }
+}
 
-    /// Of rays that meet the plane at a low angle the plane's distance is held to what the vertices' own depths allow:
-    /// with all of them ahead nothing is lost, and else (the origin is beside the triangle) a crossing at more than twice
-    /// the farthest is none.
-    #[cold]
-    fn grazing(&self, setup: &RaySetup<R>, plane: R) -> (R::Mask, R) {
-        let zero = R::zero();
-        let vertices = axes(|k| setup.shear.scale[2] * self.depths[k]);
-        let first = vertices[0].min_or(vertices[1]).min_or(vertices[2]);
-        let last = vertices[0].max_or(vertices[1]).max_or(vertices[2]);
-        let ahead = first.gt(zero);
-        let crosses = plane.gt(zero) & plane.le(last + last);
-        // A plane without a normal is NaN: the nearest vertex is then as good a guess as any.
-        let t = R::select(ahead, plane.max_or(first), plane).min_or(last);
-        (ahead | crosses, t)
-    }
+/// Of rays that meet the plane at a low angle the plane's distance is held to what the vertices' own `depths` allow:
+/// with all of them ahead nothing is lost, and else (the origin is beside the triangle) a crossing at more than twice
+/// the farthest is none. `scale` is 1 over the direction's component that depths are measured along.
+///
+/// By value: what it was given by reference would be written to memory for every ray, low or not.
+#[cold]
+fn grazing_distance<R: Real>(scale: R, a: R, b: R, c: R, plane: R) -> (R::Mask, R) {
+    let vertices = [scale * a, scale * b, scale * c];
+    let first = vertices[0].min_or(vertices[1]).min_or(vertices[2]);
+    let last = vertices[0].max_or(vertices[1]).max_or(vertices[2]);
+    let ahead = first.gt(R::zero());
+    let crosses = plane.gt(R::zero()) & plane.le(last + last);
+    // A plane without a normal is NaN: the nearest vertex is then as good a guess as any.
+    let t = R::select(ahead, plane.max_or(first), plane).min_or(last);
+    (ahead | crosses, t)
 }
 
 /// A ray meets a plane steeply where |n·d| is at least this share of max|n_k|·max|d_k|. t then is sure to
