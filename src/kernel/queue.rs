@@ -2,6 +2,12 @@
 
 use crate::lane::{Mask, Real, array};
 use core::marker::PhantomData;
+use std::cell::RefCell;
+
+thread_local! {
+    /// Memory of queues that are gone, for those of the next job: fresh memory would be cleared each time.
+    static SPARE: RefCell<Vec<Vec<f32>>> = const { RefCell::new(Vec::new()) };
+}
 
 /// Values in a line of cache.
 const LINE: usize = 64 / size_of::<f32>();
@@ -22,7 +28,11 @@ impl<R: Real, const N: usize> Queue<R, N> {
     pub fn new(rows: usize) -> Self {
         // Whole registers are written and read past the last row.
         let stride = (rows + R::WIDTH).next_multiple_of(LINE);
-        let values = vec![0.0f32; N * stride + LINE];
+        let needed = N * stride + LINE;
+        let mut values = SPARE.with_borrow_mut(Vec::pop).unwrap_or_default();
+        if values.len() < needed {
+            values.resize(needed, 0.0);
+        }
         let start = values.as_ptr().align_offset(64) % LINE;
         Queue { values, start, stride, len: 0, lanes: PhantomData }
     }
@@ -107,9 +117,16 @@ impl<R: Real, const N: usize> Queue<R, N> {
     /// Forgets the rows that fill packets.
     pub fn keep_rest(&mut self) {
         let full = self.full();
-        for field in self.values[self.start..].chunks_exact_mut(self.stride) {
+        for field in self.values[self.start..].chunks_exact_mut(self.stride).take(N) {
             R::load(&field[full..]).store(field);
         }
         self.len -= full;
+    }
+}
+
+impl<R, const N: usize> Drop for Queue<R, N> {
+    fn drop(&mut self) {
+        // At the end of a thread there is no place for it.
+        let _ = SPARE.try_with(|spare| spare.borrow_mut().push(core::mem::take(&mut self.values)));
     }
 }
