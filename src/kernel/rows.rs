@@ -55,12 +55,13 @@ pub fn path_ray<R: Real>(field: impl Fn(usize) -> R) -> Ray<R> {
 /// Paths that hit something, from the fields of their rows. (One by one: an array of all would pass through memory.)
 #[inline(always)]
 pub fn unpack_hits<R: Real>(field: impl Fn(usize) -> R, alive: R::Mask) -> Paths<R> {
-    let (t, primitive) = (field(GOING), field(GOING + 1).to_bits());
+    let (t, primitive) = (field(GOING), field(GOING + 1).masked(alive).to_bits());
     let hit = Hit { t, primitive, u: field(GOING + 2), v: field(GOING + 3) };
     Paths { hit, ..unpack(field, alive) }
 }
 
-/// Paths on their way, without a hit.
+/// Paths on their way, without a hit. Past the last row a queue holds what jobs before left there: whatever is looked up by
+/// is 0 in lanes that are no rows.
 #[inline(always)]
 pub fn unpack<R: Real>(field: impl Fn(usize) -> R, alive: R::Mask) -> Paths<R> {
     let ray = path_ray(&field);
@@ -69,11 +70,11 @@ pub fn unpack<R: Real>(field: impl Fn(usize) -> R, alive: R::Mask) -> Paths<R> {
         ray,
         beta: Vec3::new(field(6), field(7), field(8)),
         bsdf_pdf: field(9),
-        slot: field(NAME).to_bits(),
+        slot: field(NAME).masked(alive).to_bits(),
         bounce: field(NAME + 1),
         rng: Sampler::from_words(array::from_fn(|k| field(12 + k).to_bits())),
         eta_squared: field(16),
-        table: field(17).to_bits(),
+        table: field(17).masked(alive).to_bits(),
         alive,
     }
 }
