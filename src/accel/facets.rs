@@ -1,11 +1,35 @@
 //! The triangles of a small scene, every one of which is tested: roughly, and exactly where that leaves doubt.
 
 use super::block::keep_triangle;
-use super::interval::Interval;
+use super::interval::{Interval, Reach};
 use super::pairs::{Facet, Pairs};
 use super::tree::common_octant;
 use crate::geometry::{Edges, Hit, MISS, RaySetup, Rows, SharedEdge, first_of_pair, second_of_pair};
 use crate::lane::{Bits, Mask, Real, axes};
+
+/// Any-hit packets whose [segments](Reach) are about one of this many pairs of triangles, or fewer, are tested exactly against
+/// those. Found by measuring.
+const FEW: usize = 3;
+
+/// What is known of a packet as a whole.
+#[derive(Clone, Copy)]
+enum Around<'a, E: Real> {
+    Nothing,
+    Rays(&'a Interval<E>),
+    Segments(&'a Reach<E>),
+}
+
+impl<E: Real> Around<'_, E> {
+    /// Of eight boxes those that some lane may enter before `t_max`, as bits.
+    #[inline(always)]
+    fn entered(self, planes: &[[f32; 8]; 6], t_max: f32) -> u32 {
+        match self {
+            Around::Nothing => 0xff,
+            Around::Rays(interval) => interval.entered(planes, t_max),
+            Around::Segments(reach) => reach.entered(planes),
+        }
+    }
+}
 
 /// The triangles of a small scene, in order.
 #[derive(Clone, Debug, Default)]
@@ -43,7 +67,7 @@ impl TriangleList {
     #[inline(always)]
     pub fn closest<R: Real>(&self, setup: &RaySetup<R>, active: R::Mask, hit: &mut Hit<R>) {
         if let Some(interval) = bounds(setup, active) {
-            return self.closest_exact(setup, Some(&interval), active, hit);
+            return self.closest_exact(setup, Around::Rays(&interval), active, hit);
         }
         let one = R::Bits::splat(1);
         let mut best = hit.t.to_bits() - one;
@@ -62,7 +86,7 @@ impl TriangleList {
         let (enters, t_near) = self.enter(setup, primitive, found);
         let doubtful = (active & is_set::<R>(low)) | (found & !(enters & t_near.le(best.t)));
         if doubtful.any() {
-            self.closest_exact(setup, None, doubtful, hit);
+            self.closest_exact(setup, Around::Nothing, doubtful, hit);
         }
         hit.replace(found & !doubtful, best);
     }
@@ -71,22 +95,32 @@ impl TriangleList {
     fn closest_exact<R: Real>(
         &self,
         setup: &RaySetup<R>,
-        interval: Option<&Interval<R::Eight>>,
+        around: Around<'_, R::Eight>,
         active: R::Mask,
         hit: &mut Hit<R>,
     ) {
         let t_max = hit.t;
-        self.visit_exact(setup, interval, t_max, active, |i, edges, mask, t| {
+        self.visit_exact(setup, around, t_max, active, |i, edges, mask, t| {
             keep_triangle((edges, mask, t), i, t_max, hit);
             false
         });
     }
 
-    /// Lanes of `active` with a hit before `t_max`. As in [`TriangleList::closest`] the own box of one hit is looked at.
+    /// Lanes of `active` with a hit before `t_max`. A packet that is somewhere in particular, or goes into one octant, is
+    /// tested exactly, against the few triangles about its segments or ahead of it. Of others, as in
+    /// [`TriangleList::closest`], the own box of one hit is looked at.
     #[inline(always)]
     pub fn any<R: Real>(&self, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask {
-        if let Some(interval) = bounds(setup, active) {
-            return self.any_exact(setup, Some(&interval), t_max, active);
+        if R::WIDTH > 1 {
+            if R::select(active, t_max, R::zero()).highest().is_finite() {
+                let reach = Reach::new(setup, t_max, active);
+                if self.pairs.count_met(|planes| reach.entered(planes)) * FEW <= self.pairs.list.len() {
+                    return self.any_exact(setup, Around::Segments(&reach), t_max, active);
+                }
+            }
+            if let Some(interval) = Interval::new(setup, common_octant(setup, active), active) {
+                return self.any_exact(setup, Around::Rays(&interval), t_max, active);
+            }
         }
         let end = t_max.to_bits() - R::Bits::splat(1);
         let mut primitive = R::Bits::splat(MISS);
@@ -97,19 +131,19 @@ impl TriangleList {
         let (enters, t_near) = self.enter(setup, primitive, found);
         let sure = enters & t_near.lt(t_max);
         let doubtful = (found | (active & is_set::<R>(low))) & !sure;
-        if doubtful.any() { sure | self.any_exact(setup, None, t_max, doubtful) } else { sure }
+        if doubtful.any() { sure | self.any_exact(setup, Around::Nothing, t_max, doubtful) } else { sure }
     }
 
     #[inline(never)]
     fn any_exact<R: Real>(
         &self,
         setup: &RaySetup<R>,
-        interval: Option<&Interval<R::Eight>>,
+        around: Around<'_, R::Eight>,
         t_max: R,
         active: R::Mask,
     ) -> R::Mask {
         let mut open = active;
-        self.visit_exact(setup, interval, t_max, active, |_, _, mask, t| {
+        self.visit_exact(setup, around, t_max, active, |_, _, mask, t| {
             open = open & !(mask & t.lt(t_max));
             open.none()
         });
@@ -122,13 +156,13 @@ impl TriangleList {
     fn visit_exact<R: Real>(
         &self,
         setup: &RaySetup<R>,
-        interval: Option<&Interval<R::Eight>>,
+        around: Around<'_, R::Eight>,
         t_max: R,
         active: R::Mask,
         mut visit: impl FnMut(u32, Edges<R>, R::Mask, R) -> bool,
     ) {
         let farthest = R::select(active, t_max, R::zero()).highest();
-        for pair in self.pairs.met(interval, farthest) {
+        for pair in self.pairs.met(|planes| around.entered(planes, farthest)) {
             let v0 = axes(|k| R::splat(pair.vertices[0][k]));
             let moved = |i: usize| setup.shear.apply(axes(|k| R::lookup4(&pair.vertices[i], setup.order[k])));
             let (p, r) = (moved(0), moved(2));

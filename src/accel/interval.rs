@@ -97,3 +97,39 @@ impl<E: Real> Interval<E> {
         self.negative[0] | self.negative[1] << 1 | self.negative[2] << 2
     }
 }
+
+/// The box that the segments of a packet lie in, for testing eight boxes against all of them at once.
+///
+/// A hit at t < t_max has, as computed, t_near ≤ t and 0 ≤ t_far for its own box: so on each axis fl(fl(near − o)·inverse) <
+/// t_max, and the far plane is not behind o. The first puts near before o + t_max·d but for four roundings, which
+/// [`SEGMENT_MARGIN`] covers.
+pub struct Reach<E: Real> {
+    lo: [E; 3],
+    hi: [E; 3],
+}
+
+/// Of |o| and |o + t_max·d|: 16 half ulps.
+const SEGMENT_MARGIN: f32 = 1.0 / 1_048_576.0;
+
+impl<E: Real> Reach<E> {
+    /// Of active lanes whose `t_max` is finite.
+    #[inline(always)]
+    pub fn new<R: Real>(setup: &RaySetup<R>, t_max: R, active: R::Mask) -> Self {
+        let infinity = R::splat(f32::INFINITY);
+        let ends = axes(|k| {
+            let (from, to) = (setup.origin[k], setup.direction[k].mul_add(t_max, setup.origin[k]));
+            let margin = (from.abs() + to.abs()) * R::splat(SEGMENT_MARGIN);
+            let (lo, hi) = (from.min_or(to) - margin, from.max_or(to) + margin);
+            [R::select(active, lo, infinity).lowest(), R::select(active, hi, -infinity).highest()]
+        });
+        Self { lo: axes(|k| E::splat(ends[k][0])), hi: axes(|k| E::splat(ends[k][1])) }
+    }
+
+    /// Of eight boxes as in [`Node::planes`] those that some segment may meet, as bits.
+    #[inline(always)]
+    pub fn entered(&self, planes: &[[f32; 8]; 6]) -> u32 {
+        let meets =
+            |k: usize| E::load(&planes[2 * k]).le_bits(self.hi[k]) & self.lo[k].le_bits(E::load(&planes[2 * k + 1]));
+        meets(0) & meets(1) & meets(2)
+    }
+}

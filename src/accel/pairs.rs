@@ -1,7 +1,6 @@
 //! Triangles for brute force: pairs that share an edge share its work, and groups of pairs their vertices.
 
 use super::corners::{Corner, Moved, Vertices};
-use super::interval::Interval;
 use super::lanes::ones;
 use crate::geometry::{Bounds, Edges, RaySetup, SharedEdge, largest, meet_plane, plane_normal};
 use crate::lane::{Bits, Real, axes};
@@ -96,13 +95,19 @@ impl Pairs {
         pairs
     }
 
-    /// The pairs, without those whose own boxes no lane enters before `t_max`, as far as that can be told from the bounds
-    /// of a packet.
+    /// The pairs in order, without those whose own boxes no lane enters: `entered` tells of eight boxes, as bits.
     #[inline(always)]
-    pub fn met<E: Real>(&self, interval: Option<&Interval<E>>, t_max: f32) -> impl Iterator<Item = &Pair> {
-        self.planes.iter().zip(self.list.chunks(8)).flat_map(move |(planes, pairs)| {
-            ones(interval.map_or(0xff, |interval| interval.entered(planes, t_max))).filter_map(|i| pairs.get(i))
-        })
+    pub fn met(&self, entered: impl Fn(&[[f32; 8]; 6]) -> u32) -> impl Iterator<Item = &Pair> {
+        self.planes
+            .iter()
+            .zip(self.list.chunks(8))
+            .flat_map(move |(planes, pairs)| ones(entered(planes)).filter_map(|i| pairs.get(i)))
+    }
+
+    /// How many pairs `entered` tells of, as in [`Pairs::met`].
+    #[inline(always)]
+    pub fn count_met(&self, entered: impl Fn(&[[f32; 8]; 6]) -> u32) -> usize {
+        self.planes.iter().map(|planes| entered(planes).count_ones() as usize).sum()
     }
 
     fn push(&mut self, first: u32, [p, q, r]: [[f32; 3]; 3], s: Option<[f32; 3]>) {
