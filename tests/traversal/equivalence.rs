@@ -77,6 +77,41 @@ fn rays_that_pass_many_boxes() {
     assert!(hits > 20 && hits < rays.len() - 20, "{hits} of {} hit: the test would see little", rays.len());
 }
 
+/// Bundles of short segments that end at what they would hit, one float before it or one after: any-hit packets in a list
+/// are tested only against what is about their segments, which these touch from inside.
+#[test]
+fn segments_that_just_reach() {
+    let mut rng = Random::new(41);
+    let mut shapes = Shapes::random(40, 0, 0.2, &mut rng);
+    for i in 0..24 {
+        // Across an axis, so that its box is flat and the segments' box ends in it.
+        let (axis, p) = (i % 3, rng.point(1.5));
+        shapes.push([(); 3].map(|_| [0, 1, 2].map(|k| if k == axis { p[k] } else { p[k] + 0.3 * rng.signed() })));
+    }
+    let accel = shapes.everything(Preset::Medium);
+    let mut rays = Vec::new();
+    for bundle in 0..512 {
+        let target = shapes.vertices(rng.below(64));
+        let middle = [0, 1, 2].map(|k| (target[0][k] + target[1][k] + target[2][k]) / 3.0);
+        let o = [0, 1, 2].map(|k| middle[k] + 0.2 * rng.signed());
+        for i in 0..16 {
+            let o = o.map(|x| x + 0.02 * rng.signed());
+            let mut d = [0, 1, 2].map(|k| middle[k] - o[k] + 0.02 * rng.signed());
+            if bundle % 4 == 1 {
+                d[i % 3] = [0.0, -0.0][i % 2];
+            }
+            rays.push(OneRay { o, d, t_max: f32::INFINITY });
+        }
+    }
+    let found = ask::<f32, Brute>(&accel, &rays, |_| true);
+    for (i, (ray, (hit, _))) in rays.iter_mut().zip(found).enumerate() {
+        let t = f32::from_bits(hit.0);
+        ray.t_max = if hit.1 == MISS { 0.3 } else { [t, t.next_up(), t.next_down()][i % 3] };
+    }
+    let hits = ask_all(&[&accel], &rays).iter().filter(|(hit, _)| hit.1 != MISS).count();
+    assert!(hits * 5 > rays.len() && hits * 2 < rays.len(), "{hits} of {} hit: the test would see little", rays.len());
+}
+
 /// A ray's answer does not depend on its lane, nor on what the other lanes hold.
 #[test]
 fn lanes_may_be_permuted() {
