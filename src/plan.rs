@@ -6,7 +6,7 @@
 
 mod light_paths;
 
-use crate::light::MANY_LIGHTS;
+use crate::light::{FEW_EMITTERS, MANY_LIGHTS};
 use crate::scene::{Bsdf, Environment, IntegratorKind, Material, NO_NORMAL, Scene};
 use std::collections::BTreeSet;
 
@@ -134,6 +134,9 @@ pub struct Plan {
     pub compensated_sky: bool,
     /// Do primitives emit?
     pub area_lights: bool,
+    /// Do light samples alone light the last vertex of a path, where they suffice? The same in the general kernel: it decides on
+    /// samples.
+    pub last_by_lights: bool,
     /// Is there a table of them for each part of the scene? The same in the general kernel: it decides on samples.
     pub light_grid: bool,
     /// Point, spot and directional lights.
@@ -242,6 +245,11 @@ impl Plan {
             decide("lights without extent", (shining > 0 || on(Feature::DeltaLights)) && light_transport, why);
         let (wanted, why) = light_paths::decide(scene, &used, lamps);
         let light_paths = decide("paths from the lights", wanted, why);
+        let last_by_lights = decide(
+            "last vertex by lights",
+            by_path && lamps > 0 && lamps <= FEW_EMITTERS && !lit && !light_paths,
+            format!("{lamps} primitives emit, {FEW_EMITTERS} are few; the rest of the light counts against it"),
+        );
         let radius = scene.camera.lens_radius;
         let lens = decide("lens", radius > 0.0, format!("its radius is {radius}"));
         let images = Images::of(scene, &used);
@@ -285,6 +293,7 @@ impl Plan {
             environment,
             compensated_sky,
             area_lights,
+            last_by_lights,
             light_grid,
             delta_lights,
             light_paths,
@@ -302,7 +311,7 @@ impl Plan {
     /// The same for light samples that stand alone, or beside those of materials that are not the scene's and may not reach all
     /// that they scatter.
     pub fn with_light_samples_alone(self) -> Self {
-        Plan { compensated_sky: false, ..self }
+        Plan { compensated_sky: false, last_by_lights: false, ..self }
     }
 
     /// Is a feature kept?

@@ -128,6 +128,12 @@ impl<R: Real> MaterialAt<R> {
         self.kind.eq(R::splat(kind))
     }
 
+    /// Lanes that scatter by Lambert's law.
+    #[inline(always)]
+    pub fn is_lambert(&self) -> R::Mask {
+        self.is(KIND_DIFFUSE)
+    }
+
     #[inline(always)]
     fn diffuse(&self) -> Diffuse<R> {
         Diffuse { reflectance: self.a }

@@ -120,11 +120,13 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
         let n = Vec3::select(facing.lt(R::zero()), -surface.ng, surface.ng);
         paths.table = lights.table_at(surface.at.p, n);
     }
+    let alone = by_lights_alone(world, paths, &surface, scatters);
     if (world.lights.is_some() || S::OWN_LIGHT) && scatters.any() {
         let arrival = arrival.as_ref();
-        sample_direct(world, shade, paths, &surface, &frame, wo, &u, scatters, arrival, shadows, probe);
+        let competing = scatters & !alone;
+        sample_direct(world, shade, paths, &surface, &frame, wo, &u, [scatters, competing], arrival, shadows, probe);
     }
-    let sample = scatter(world, shade, paths, &surface, &frame, wo, &u, scatters, probe);
+    let sample = scatter(world, shade, paths, &surface, &frame, wo, &u, scatters & !alone, probe);
     if let Some(arrival) = arrival.filter(|_| paths.alive.any()) {
         let back = reversed_pdf(world, shade, paths.hit, surface, [wo, sample.wi], paths.alive & !sample.delta);
         arrival.leave(surface, sample, [wo.z, back], *paths, out);
@@ -193,8 +195,16 @@ fn add_emission<R: Real, S: Shade, P: Probe>(
     out.add(paths.slot, contribution, emitting);
 }
 
+/// Lanes at the last vertex of their path, where a ray by the material could find nothing but what light samples find as well.
+#[inline(always)]
+fn by_lights_alone<R: Real>(world: &World, paths: &Paths<R>, surface: &Surface<R>, scatters: R::Mask) -> R::Mask {
+    let Some(reach) = &world.reach else { return R::Mask::splat(false) };
+    let last = scatters & (paths.bounce + R::one()).ge(R::splat(world.max_bounces)) & surface.material.is_lambert();
+    if last.any() { last & reach.beyond(surface.at.p) } else { last }
+}
+
 /// Next-event estimation: a point on a light or a direction to the environment, and its contribution if it is seen, which a
-/// shadow ray is to tell.
+/// shadow ray is to tell. Where not `competing`, nothing else is to find it.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
 fn sample_direct<R: Real, S: Shade, P: Probe>(
@@ -205,7 +215,7 @@ fn sample_direct<R: Real, S: Shade, P: Probe>(
     frame: &Frame<R>,
     wo: Vec3<R>,
     u: &[R; BOUNCE],
-    scatters: R::Mask,
+    [scatters, competing]: [R::Mask; 2],
     arrival: Option<&Arrival<R>>,
     shadows: &mut Queue<R, SHADOW>,
     probe: &mut P,
@@ -223,7 +233,7 @@ fn sample_direct<R: Real, S: Shade, P: Probe>(
     let pdf = probe.tap(Stage::LightPdf, paths.lanes(lit), light.pdf);
     let lit = lit & pdf.gt(R::zero()) & same_side(wi.z, surface.ng.dot(light.wi));
     let eval = shade.eval(world, &paths.hit, surface, [wo, wi], lit);
-    let mut weight = mis_weight(pdf, eval.pdf) / pdf;
+    let mut weight = mis_weight(pdf, eval.pdf.masked(competing)) / pdf;
     if let Some(arrival) = arrival.filter(|_| lit.any()) {
         let back = reversed_pdf(world, shade, paths.hit, *surface, [wo, wi], lit);
         weight = weight_against(eval.pdf / pdf, arrival.at_sample(world, *surface, light, back, lit)) / pdf;

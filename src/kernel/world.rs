@@ -10,7 +10,7 @@ use super::texture::TextureTable;
 use crate::accel::{Accel, BuildOptions, BuildReport, Mode, Preset};
 use crate::geometry::{Hit, Ray, Rows, SphereAt, SphereRows, TriangleRows};
 use crate::lane::{Bits, Mask, Real, Vec3, float_mode};
-use crate::light::{Emitter, EmitterShape, Extent, LightError, LightSample, Lights, Receivers, SkySamples};
+use crate::light::{Emitter, EmitterShape, Extent, LightError, LightSample, Lights, Reach, Receivers, SkySamples};
 use crate::own::Numbers;
 use crate::plan::{GeometryMode, Plan};
 use crate::sampling::SamplerKind;
@@ -58,6 +58,8 @@ pub struct World {
     pub materials: MaterialTable,
     /// `None` where nothing emits or nothing transports light.
     pub lights: Option<Lights>,
+    /// Where the last vertex of a path is lit by light samples alone; `None` for nowhere.
+    pub reach: Option<Reach>,
     /// `None` unless the plan keeps them.
     pub light_paths: Option<LightPaths>,
     /// `None` unless the integrator gathers.
@@ -158,6 +160,7 @@ impl World {
             spheres: SphereRows::new(&spheres),
             triangle_count: scene.mesh.triangles.len() as u32,
             materials,
+            reach: lights.as_ref().filter(|_| plan.last_by_lights).and_then(Lights::reach),
             lights,
             light_paths: None,
             gather: None,

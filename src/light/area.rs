@@ -3,6 +3,7 @@
 use super::alias::{MAX_ENTRIES, Table};
 use super::grid::{ChoiceGrid, Lamp, Receivers};
 use super::inversion::{Choice, Inversion};
+use super::reach::Reach;
 use super::sample::LightPoint;
 use super::sphere::{self, sphere_pdf};
 use super::triangle::{self, Triangle, triangle_pdf};
@@ -96,6 +97,22 @@ impl AreaLights {
             let area = PI * f64::from(row[RADIUS]).powi(2);
             Lamp { center: vector(CENTER), normal: None, area, radiance, probability }
         }
+    }
+
+    /// See [`Lights::reach`](super::Lights::reach); `share` as in [`AreaLights::build`].
+    pub(super) fn reach(&self, share: f64) -> Option<Reach> {
+        let shape = |i: usize| {
+            let vector = |k: usize| std::array::from_fn(|axis| self.rows[i][k + axis]);
+            match i < self.first_sphere {
+                true => EmitterShape::Triangle { p0: vector(P0), e1: vector(E1), e2: vector(E2) },
+                false => EmitterShape::Sphere { center: vector(CENTER), radius: self.rows[i][RADIUS] },
+            }
+        };
+        let least = |i: usize| match &self.grid {
+            None => self.probability[i] * share,
+            Some(_) => ChoiceGrid::least_probability(self.probability[i]) * share,
+        };
+        Reach::of(&(0..self.rows.len()).map(|i| (shape(i), least(i))).collect::<Vec<_>>())
     }
 
     pub(super) fn has_grid(&self) -> bool {

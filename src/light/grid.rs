@@ -116,6 +116,12 @@ impl ChoiceGrid {
         }
     }
 
+    /// With which any table chooses a light of this `probability` by power, at least: its part by power, less what rounding
+    /// to the grid of numbers may take at either end, and as much for sums in single precision.
+    pub(super) fn least_probability(probability: f64) -> f64 {
+        BY_POWER * probability * (1.0 - 1e-5) - 2.0 / GRID
+    }
+
     pub(super) fn memory(&self) -> usize {
         size_of_val(&*self.table_of) + self.choice.bytes() + size_of_val(&*self.to_ratio)
     }

@@ -3,7 +3,7 @@
 use super::area::{AreaLights, AreaSample};
 use super::delta::{DeltaLights, Extent};
 use super::sample::LightSample;
-use super::{Emitter, EnvironmentMap, LightError, Receivers, SkySamples};
+use super::{Emitter, EnvironmentMap, LightError, Reach, Receivers, SkySamples};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::sampling::rescale;
 use crate::scene::{DeltaLight, Environment};
@@ -92,6 +92,13 @@ impl Lights {
         if let Some(area) = &mut self.area {
             area.add_grid(receivers);
         }
+    }
+
+    /// Where light samples find all emitters as well as a Lambert surface ever could; `None` where that is not known, or
+    /// something else than emitters shines with an extent.
+    pub fn reach(&self) -> Option<Reach> {
+        let (area, (share, _)) = (self.area.as_ref(), self.area_share);
+        if self.environment.is_some() { None } else { area.and_then(|area| area.reach(f64::from(share))) }
     }
 
     /// Are lights chosen by place?

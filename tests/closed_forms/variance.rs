@@ -5,6 +5,7 @@ use super::TESTS;
 use crate::renders::{self, Set};
 use crate::stats::quadrature::{gauss_legendre, integrate};
 use crate::stats::{Moments, assert_mean};
+use octolux::kernel::World;
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 const SIDE: u32 = 48;
@@ -25,6 +26,14 @@ fn moments(cos_min: f64, light_pdf: f64) -> (f64, f64) {
     (mean_light + mean_bsdf, squares - mean_light.powi(2) - mean_bsdf.powi(2))
 }
 
+/// The same by light samples alone.
+fn moments_by_lights(cos_min: f64, light_pdf: f64) -> (f64, f64) {
+    let rule = gauss_legendre(20);
+    let over = |f: &dyn Fn(f64) -> f64| integrate(&rule, cos_min, 1.0, 40, |c| TAU * f(c));
+    let mean = over(&|c| c * FRAC_1_PI);
+    (mean, over(&|c| (c * FRAC_1_PI).powi(2) / light_pdf) - mean.powi(2))
+}
+
 /// A receiver of reflectance 1 that fills the film, seen from the side.
 fn receiver() -> Set {
     let mut set = Set::new([-2.0, 0.0, 0.1], [0.0; 3], 1e-4, SIDE).bounces(1);
@@ -33,8 +42,12 @@ fn receiver() -> Set {
     set
 }
 
-fn check(name: &str, set: Set, (mean, variance): (f64, f64)) {
-    let film = renders::film(&renders::world(&set.finish(), 17), SAMPLES);
+fn check(name: &str, set: Set, expected: (f64, f64)) {
+    check_world(name, &renders::world(&set.finish(), 17), expected);
+}
+
+fn check_world(name: &str, world: &World, (mean, variance): (f64, f64)) {
+    let film = renders::film(world, SAMPLES);
     let pixels = || (0..SIDE * SIDE).map(|i| (i % SIDE, i / SIDE));
     let means: Moments = pixels().map(|(x, y)| film.mean(x, y)[1]).collect();
     assert_mean(name, &means, mean, 1e-5 * mean, TESTS);
@@ -52,7 +65,8 @@ fn uniform_environment() {
     check("uniform environment", receiver().uniform_light(), expected);
 }
 
-/// Spheres overhead are sampled uniformly in the cone they fill.
+/// Spheres overhead are sampled uniformly in the cone they fill: beside the receiver's own samples, and where they are near
+/// enough to need these; else, as the plan has it at the last vertex of a path, alone.
 #[test]
 fn spheres_overhead() {
     for ratio in [0.5f64, 0.9, 0.1] {
@@ -62,7 +76,12 @@ fn spheres_overhead() {
         let mut set = receiver();
         let lamp = set.grey(0.0, 1.0);
         set.sphere(lamp, [0.0, 0.0, 1.0], ratio);
-        check(&format!("sphere of {ratio} overhead"), set, expected);
+        let mut world = renders::world(&set.finish(), 17);
+        let alone = ratio < 0.5f64.sqrt();
+        let planned = if alone { moments_by_lights(cos_min, 1.0 / (TAU * (1.0 - cos_min))) } else { expected };
+        check_world(&format!("sphere of {ratio} overhead, alone: {alone}"), &world, planned);
+        assert!(world.reach.take().is_some());
+        check_world(&format!("sphere of {ratio} overhead"), &world, expected);
     }
 }
 

@@ -8,6 +8,7 @@ mod environment;
 mod grid;
 mod image;
 mod irradiance;
+mod reach;
 mod scenes;
 mod sphere;
 mod widths;
