@@ -10,18 +10,14 @@
 //! of the samples is spread evenly, a tenth at least, as a pilot may have missed what is rare.
 
 use super::budget::{Budget, MAX_SAMPLES};
-use super::pass::{Pass, SLOTS};
+use super::pass::Pass;
+use super::pilot::{Pilot, REPLICATES};
 use crate::film::{Film, Rect};
-use crate::kernel::{Counters, Job};
-use crate::sampling::child_key;
+use crate::kernel::Counters;
 use rayon::prelude::*;
 use std::fmt;
 use std::time::Instant;
 
-/// Independent renders that the pilot consists of.
-const REPLICATES: u32 = 4;
-/// Sets the pilot's seeds apart.
-const PILOT_SEED: u32 = 0x4164_6170;
 /// The pilot takes at most one in so many samples or seconds.
 const PILOT_SHARE: u64 = 8;
 /// Samples of a replicate: no more than this, however large the budget …
@@ -33,9 +29,6 @@ const EVEN_SHARE: f64 = 0.1;
 /// Numbers of samples go from 2^LEAST to 2^MOST times the average: powers of two, at which Sobol' points are most even.
 const LEAST: i32 = -3;
 const MOST: i32 = 4;
-/// Tiles across a square of the pilot: as many paths at once as keep the lanes full.
-const SQUARE: u32 = 4;
-
 /// Side of the tiles whose numbers of samples differ, in pixels. Smaller ones follow edges closer, and keep fewer lanes busy.
 pub fn adaptive_tile(width: u32, height: u32) -> u32 {
     if width.max(height) <= 512 { 4 } else { 8 }
@@ -113,7 +106,27 @@ impl Rates {
             Some(pilot) => pilot,
             None => Pilot::run(pass, film, count)?,
         };
-        Some(pilot.rates(film, start.elapsed().as_secs_f64()))
+        Some(Self::of(&pilot, film, start.elapsed().as_secs_f64()))
+    }
+
+    /// By what a pilot of so many seconds says.
+    fn of(pilot: &Pilot, film: &Film, seconds: f64) -> Self {
+        let rects: Vec<Rect> = film.tiles().iter().map(|tile| tile.rect()).collect();
+        let pixels: f64 = rects.iter().map(|rect| rect.pixels() as f64).sum();
+        let found: Vec<[f64; 3]> = rects.iter().map(|&rect| pilot.weights(rect)).collect();
+        let sum: f64 = found.iter().zip(&rects).map(|([weight, ..], rect)| weight * rect.pixels() as f64).sum();
+        let mean = if sum > 0.0 { sum / pixels } else { 1.0 };
+        let even = (1.0 - reliability(&found)).max(EVEN_SHARE);
+        let weights: Vec<f64> = found.iter().map(|[weight, ..]| even * mean + (1.0 - even) * weight).collect();
+        let (mean, variance) = pilot.mean();
+        Rates {
+            exponents: exponents(&weights, &rects),
+            samples: pilot.samples,
+            seconds,
+            counters: pilot.counters(),
+            mean,
+            variance,
+        }
     }
 
     /// One past the last sample of a tile where the average tile's is `end`.
@@ -171,130 +184,6 @@ fn mean_of_film(film: &Film) -> (f64, f64) {
     (mean / values, variance / (values * values))
 }
 
-/// What the replicates found of squares of tiles.
-struct Pilot {
-    squares: Vec<Square>,
-    across: u32,
-    side: u32,
-    samples: u64,
-}
-
-/// What they found of one.
-struct Square {
-    rect: Rect,
-    /// Of each pixel, summed over channels: variance of a replicate's mean over mean² + 0.01, by all replicates, by the
-    /// first half of them and by the second.
-    error: Vec<[f64; 3]>,
-    /// Sums over pixels and channels: of the mean of all replicates, and of its variance.
-    mean: f64,
-    variance: f64,
-    counters: Counters,
-}
-
-impl Pilot {
-    fn run(pass: &Pass, film: &Film, samples: u64) -> Option<Self> {
-        let side = film.tile_side() * SQUARE;
-        let (width, height) = (film.width(), film.height());
-        let (across, down) = (width.div_ceil(side), height.div_ceil(side));
-        let corners: Vec<_> = (0..down).flat_map(|j| (0..across).map(move |i| (i * side, j * side))).collect();
-        let rects = corners.into_par_iter().map(|(x, y)| Rect {
-            x,
-            y,
-            width: side.min(width - x),
-            height: side.min(height - y),
-        });
-        let squares = rects.map(|rect| Square::run(pass, rect, samples as u32)).collect();
-        let whole = super::interrupt::presses() == 0;
-        whole.then_some(Pilot { squares, across, side, samples: samples * u64::from(REPLICATES) })
-    }
-
-    /// The square of a tile.
-    fn square(&self, tile: Rect) -> &Square {
-        &self.squares[(tile.y / self.side * self.across + tile.x / self.side) as usize]
-    }
-
-    fn rates(&self, film: &Film, seconds: f64) -> Rates {
-        let rects: Vec<Rect> = film.tiles().iter().map(|tile| tile.rect()).collect();
-        let pixels: f64 = rects.iter().map(|rect| rect.pixels() as f64).sum();
-        let found: Vec<[f64; 3]> = rects.iter().map(|&rect| self.square(rect).weights(rect)).collect();
-        let sum: f64 = found.iter().zip(&rects).map(|([weight, ..], rect)| weight * rect.pixels() as f64).sum();
-        let mean = if sum > 0.0 { sum / pixels } else { 1.0 };
-        let even = (1.0 - reliability(&found)).max(EVEN_SHARE);
-        let weights: Vec<f64> = found.iter().map(|[weight, ..]| even * mean + (1.0 - even) * weight).collect();
-        let mut counters = Counters::default();
-        self.squares.iter().for_each(|square| counters.add(&square.counters));
-        let values = 3.0 * pixels.max(1.0);
-        Rates {
-            exponents: exponents(&weights, &rects),
-            samples: self.samples,
-            seconds,
-            counters,
-            mean: self.squares.iter().map(|square| square.mean).sum::<f64>() / values,
-            variance: self.squares.iter().map(|square| square.variance).sum::<f64>() / (values * values),
-        }
-    }
-}
-
-impl Square {
-    fn run(pass: &Pass, rect: Rect, samples: u32) -> Self {
-        let mut means = vec![[[0.0; 3]; REPLICATES as usize]; rect.pixels()];
-        let mut counters = Counters::default();
-        for replicate in 0..REPLICATES {
-            let seed = child_key(pass.world.seed, PILOT_SEED + replicate);
-            let Rect { x, y, width, height } = rect;
-            let job = Job { x, y, width, height, first_sample: 0, samples, seed };
-            SLOTS.with_borrow_mut(|slots| {
-                slots.reset(job.slots(), pass.aovs);
-                if super::interrupt::presses() == 0 {
-                    (pass.kernel)(pass.world, &job, slots, &mut counters);
-                }
-                for (pixel, slots) in means.iter_mut().zip(slots.rgb.chunks_exact(samples as usize)) {
-                    pixel[replicate as usize] = mean(slots);
-                }
-            });
-        }
-        let mut square = Square { rect, error: Vec::with_capacity(means.len()), mean: 0.0, variance: 0.0, counters };
-        means.iter().for_each(|replicates| square.add(replicates));
-        square
-    }
-
-    /// The next pixel.
-    fn add(&mut self, replicates: &[[f64; 3]; REPLICATES as usize]) {
-        let (first, second) = replicates.split_at(replicates.len() / 2);
-        let mut error = [0.0; 3];
-        for c in 0..3 {
-            let mean = mean_and_variance(replicates, c)[0];
-            for (error, part) in error.iter_mut().zip([replicates, first, second]) {
-                *error += mean_and_variance(part, c)[1] / (mean * mean + 0.01);
-            }
-            self.mean += mean;
-            // Channels of a pixel come of the same paths: as if they were one.
-            self.variance += 3.0 * mean_and_variance(replicates, c)[1] / f64::from(REPLICATES);
-        }
-        self.error.push(error);
-    }
-
-    /// √(error of a pixel / rays of a sample), of a tile in this square: by all replicates, and by each half of them.
-    fn weights(&self, tile: Rect) -> [f64; 3] {
-        let mut error = [0.0; 3];
-        for y in tile.y..tile.y + tile.height {
-            let first = self.rect.index_of(tile.x, y);
-            for pixel in &self.error[first..first + tile.width as usize] {
-                error = std::array::from_fn(|k| error[k] + pixel[k]);
-            }
-        }
-        let rays = self.counters.rays().max(1) as f64 / self.counters.camera_rays.max(1) as f64;
-        error.map(|error| (error / tile.pixels() as f64 / rays).sqrt())
-    }
-}
-
-/// Of one channel, the variance that of a single value.
-fn mean_and_variance(values: &[[f64; 3]], channel: usize) -> [f64; 2] {
-    let n = values.len() as f64;
-    let mean = values.iter().map(|value| value[channel]).sum::<f64>() / n;
-    [mean, values.iter().map(|value| (value[channel] - mean).powi(2)).sum::<f64>() / (n - 1.0)]
-}
-
 /// Share of the weights' variance that is theirs and not the pilot's: 2r/(1 + r), r the correlation between the weights
 /// that each half of the replicates gives; 0 if there is none.
 fn reliability(weights: &[[f64; 3]]) -> f64 {
@@ -305,13 +194,6 @@ fn reliability(weights: &[[f64; 3]]) -> f64 {
     let scale = (product(|a, _| a * a) * product(|_, b| b * b)).sqrt();
     let correlation = if scale > 0.0 { (product(|a, b| a * b) / scale).max(0.0) } else { 0.0 };
     2.0 * correlation / (1.0 + correlation)
-}
-
-/// Of the finite ones: the others count as zero, as on a film.
-fn mean(samples: &[[f32; 3]]) -> [f64; 3] {
-    let finite = samples.iter().filter(|rgb| rgb.iter().all(|value| value.is_finite()));
-    let sum = finite.fold([0.0; 3], |sum: [f64; 3], rgb| std::array::from_fn(|c| sum[c] + f64::from(rgb[c])));
-    sum.map(|sum| sum / samples.len().max(1) as f64)
 }
 
 /// Powers of two nearest to the weights times one factor: the largest at which the mean over pixels is at most 1.

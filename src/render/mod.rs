@@ -5,6 +5,7 @@ pub mod budget;
 pub mod interrupt;
 mod pass;
 mod phase;
+mod pilot;
 mod progress;
 mod splats;
 #[allow(missing_docs)] // fields are keys of the state's head

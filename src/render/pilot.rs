@@ -1,0 +1,147 @@
+//! The pilot of [adaptive sampling](super::adaptive): replicates of few samples, and what they say of each tile.
+
+use super::interrupt;
+use super::pass::{Pass, SLOTS};
+use crate::film::{Film, Rect};
+use crate::kernel::{Counters, Job};
+use crate::sampling::child_key;
+use rayon::prelude::*;
+
+/// Independent renders that the pilot consists of.
+pub const REPLICATES: u32 = 4;
+/// Sets the pilot's seeds apart.
+const PILOT_SEED: u32 = 0x4164_6170;
+/// Tiles across a square of the pilot: as many paths at once as keep the lanes full.
+const SQUARE: u32 = 4;
+
+/// What the replicates found of squares of tiles.
+pub struct Pilot {
+    squares: Vec<Square>,
+    across: u32,
+    side: u32,
+    /// Samples a pixel, of all replicates.
+    pub samples: u64,
+}
+
+/// What they found of one.
+struct Square {
+    rect: Rect,
+    /// Of each pixel, summed over channels: variance of a replicate's mean over mean² + 0.01, by all replicates, by the
+    /// first half of them and by the second.
+    error: Vec<[f64; 3]>,
+    /// Sums over pixels and channels: of the mean of all replicates, and of its variance.
+    mean: f64,
+    variance: f64,
+    counters: Counters,
+}
+
+impl Pilot {
+    /// With so many samples in each replicate, in the current thread pool; `None` once the user interrupts.
+    pub fn run(pass: &Pass, film: &Film, samples: u64) -> Option<Self> {
+        let side = film.tile_side() * SQUARE;
+        let (width, height) = (film.width(), film.height());
+        let (across, down) = (width.div_ceil(side), height.div_ceil(side));
+        let corners: Vec<_> = (0..down).flat_map(|j| (0..across).map(move |i| (i * side, j * side))).collect();
+        let rects = corners.into_par_iter().map(|(x, y)| Rect {
+            x,
+            y,
+            width: side.min(width - x),
+            height: side.min(height - y),
+        });
+        let squares = rects.map(|rect| Square::run(pass, rect, samples as u32)).collect();
+        let whole = interrupt::presses() == 0;
+        whole.then_some(Pilot { squares, across, side, samples: samples * u64::from(REPLICATES) })
+    }
+
+    /// √(error of a pixel / rays of a sample) of a tile: by all replicates, and by each half of them.
+    pub fn weights(&self, tile: Rect) -> [f64; 3] {
+        self.square(tile).weights(tile)
+    }
+
+    /// Mean over pixels and channels, and its variance.
+    pub fn mean(&self) -> (f64, f64) {
+        let pixels: usize = self.squares.iter().map(|square| square.rect.pixels()).sum();
+        let values = 3.0 * pixels.max(1) as f64;
+        let sum = |of: fn(&Square) -> f64| self.squares.iter().map(of).sum::<f64>();
+        (sum(|square| square.mean) / values, sum(|square| square.variance) / (values * values))
+    }
+
+    /// Of all replicates.
+    pub fn counters(&self) -> Counters {
+        let mut counters = Counters::default();
+        self.squares.iter().for_each(|square| counters.add(&square.counters));
+        counters
+    }
+
+    /// The square of a tile.
+    fn square(&self, tile: Rect) -> &Square {
+        &self.squares[(tile.y / self.side * self.across + tile.x / self.side) as usize]
+    }
+}
+
+impl Square {
+    fn run(pass: &Pass, rect: Rect, samples: u32) -> Self {
+        let mut means = vec![[[0.0; 3]; REPLICATES as usize]; rect.pixels()];
+        let mut counters = Counters::default();
+        for replicate in 0..REPLICATES {
+            let seed = child_key(pass.world.seed, PILOT_SEED + replicate);
+            let Rect { x, y, width, height } = rect;
+            let job = Job { x, y, width, height, first_sample: 0, samples, seed };
+            SLOTS.with_borrow_mut(|slots| {
+                slots.reset(job.slots(), pass.aovs);
+                if interrupt::presses() == 0 {
+                    (pass.kernel)(pass.world, &job, slots, &mut counters);
+                }
+                for (pixel, slots) in means.iter_mut().zip(slots.rgb.chunks_exact(samples as usize)) {
+                    pixel[replicate as usize] = mean(slots);
+                }
+            });
+        }
+        let mut square = Square { rect, error: Vec::with_capacity(means.len()), mean: 0.0, variance: 0.0, counters };
+        means.iter().for_each(|replicates| square.add(replicates));
+        square
+    }
+
+    /// The next pixel.
+    fn add(&mut self, replicates: &[[f64; 3]; REPLICATES as usize]) {
+        let (first, second) = replicates.split_at(replicates.len() / 2);
+        let mut error = [0.0; 3];
+        for c in 0..3 {
+            let mean = mean_and_variance(replicates, c)[0];
+            for (error, part) in error.iter_mut().zip([replicates, first, second]) {
+                *error += mean_and_variance(part, c)[1] / (mean * mean + 0.01);
+            }
+            self.mean += mean;
+            // Channels of a pixel come of the same paths: as if they were one.
+            self.variance += 3.0 * mean_and_variance(replicates, c)[1] / f64::from(REPLICATES);
+        }
+        self.error.push(error);
+    }
+
+    /// See [`Pilot::weights`]; of a tile in this square.
+    fn weights(&self, tile: Rect) -> [f64; 3] {
+        let mut error = [0.0; 3];
+        for y in tile.y..tile.y + tile.height {
+            let first = self.rect.index_of(tile.x, y);
+            for pixel in &self.error[first..first + tile.width as usize] {
+                error = std::array::from_fn(|k| error[k] + pixel[k]);
+            }
+        }
+        let rays = self.counters.rays().max(1) as f64 / self.counters.camera_rays.max(1) as f64;
+        error.map(|error| (error / tile.pixels() as f64 / rays).sqrt())
+    }
+}
+
+/// Of one channel, the variance that of a single value.
+fn mean_and_variance(values: &[[f64; 3]], channel: usize) -> [f64; 2] {
+    let n = values.len() as f64;
+    let mean = values.iter().map(|value| value[channel]).sum::<f64>() / n;
+    [mean, values.iter().map(|value| (value[channel] - mean).powi(2)).sum::<f64>() / (n - 1.0)]
+}
+
+/// Of the finite ones: the others count as zero, as on a film.
+fn mean(samples: &[[f32; 3]]) -> [f64; 3] {
+    let finite = samples.iter().filter(|rgb| rgb.iter().all(|value| value.is_finite()));
+    let sum = finite.fold([0.0; 3], |sum: [f64; 3], rgb| std::array::from_fn(|c| sum[c] + f64::from(rgb[c])));
+    sum.map(|sum| sum / samples.len().max(1) as f64)
+}
