@@ -127,7 +127,8 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     progress.finish();
     let mut summary = Summary::new(&scene.name, &world, &options, threads, &outcome, times);
     summary.resumed_samples = held;
-    if outcome.counters.camera_rays == 0 && held == 0 {
+    // A pilot's samples are in no image.
+    if outcome.film.tiles().iter().all(|tile| tile.samples() == 0) {
         eprintln!("interrupted before the first sample; nothing was written");
         return Ok(true);
     }

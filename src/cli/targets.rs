@@ -117,7 +117,7 @@ fn attributes(film: &Film, facts: &Facts) -> Vec<(String, Attribute)> {
     [
         ("octolux.version", text(env!("CARGO_PKG_VERSION"))),
         ("octolux.scene", text(&facts.scene)),
-        ("octolux.samples", Attribute::Integer(film.samples())),
+        ("octolux.samples", Attribute::Integer(film.mean_samples().round() as u64)),
         ("octolux.render_seconds", Attribute::Float(facts.render_seconds as f32)),
         ("octolux.seed", Attribute::Integer(facts.seed)),
         ("octolux.sampler", text(facts.sampler.name())),

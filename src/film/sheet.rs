@@ -68,6 +68,13 @@ impl Film {
         self.tiles.iter().map(TileFilm::samples).min().unwrap_or(0)
     }
 
+    /// Mean over pixels of the samples that they have.
+    pub fn mean_samples(&self) -> f64 {
+        let of_tile = |tile: &TileFilm| tile.samples() as f64 * tile.rect().pixels() as f64;
+        let pixels = f64::from(self.width) * f64::from(self.height);
+        self.tiles.iter().map(of_tile).sum::<f64>() / pixels.max(1.0)
+    }
+
     /// Have some pixels more samples than others?
     pub fn is_uneven(&self) -> bool {
         self.tiles.iter().any(|tile| tile.samples() != self.tiles[0].samples())

@@ -76,7 +76,8 @@ pub(super) struct Rates {
     /// What the pilot took and found.
     pub samples: u64,
     pub seconds: f64,
-    pub counters: Counters,
+    /// Of all pixels.
+    pub seconds_per_sample: f64,
     mean: f64,
     variance: f64,
 }
@@ -86,30 +87,27 @@ impl Rates {
     pub const MOST_SAMPLES: u64 = MAX_SAMPLES >> MOST;
 
     /// By a pilot that takes an eighth of the budget at most; `None` if that is too little for one, or the user
-    /// interrupts. In the current thread pool.
-    pub fn find(pass: &Pass, film: &Film, budget: &Budget) -> Option<Self> {
+    /// interrupts. Its rays are added to `counters`. In the current thread pool.
+    pub fn find(pass: &Pass, film: &Film, budget: &Budget, counters: &mut Counters) -> Option<Self> {
         let start = Instant::now();
         let count = match budget.samples {
             Some(samples) => replicate_samples(samples)?,
             None => TIMED_SAMPLES,
         };
-        let mut pilot = None;
+        let mut pilot = Pilot::run(pass, film, if budget.seconds.is_some() { 1 } else { count }, counters)?;
         if let Some(limit) = budget.seconds {
-            let least = Pilot::run(pass, film, 1)?;
-            let left = limit / PILOT_SHARE as f64 - start.elapsed().as_secs_f64();
+            let left = limit / PILOT_SHARE as f64 - pilot.seconds;
             if left < 0.0 {
                 return None;
             }
-            pilot = (start.elapsed().as_secs_f64() * count as f64 > left).then_some(least);
+            if pilot.seconds * count as f64 <= left {
+                pilot = Pilot::run(pass, film, count, counters)?;
+            }
         }
-        let pilot = match pilot {
-            Some(pilot) => pilot,
-            None => Pilot::run(pass, film, count)?,
-        };
         Some(Self::of(&pilot, film, start.elapsed().as_secs_f64()))
     }
 
-    /// By what a pilot of so many seconds says.
+    /// By what a pilot says; it and what was tried before it took `seconds`.
     fn of(pilot: &Pilot, film: &Film, seconds: f64) -> Self {
         let rects: Vec<Rect> = film.tiles().iter().map(|tile| tile.rect()).collect();
         let pixels: f64 = rects.iter().map(|rect| rect.pixels() as f64).sum();
@@ -123,7 +121,7 @@ impl Rates {
             exponents: exponents(&weights, &rects),
             samples: pilot.samples,
             seconds,
-            counters: pilot.counters(),
+            seconds_per_sample: pilot.seconds / pilot.samples as f64,
             mean,
             variance,
         }
@@ -135,16 +133,8 @@ impl Rates {
         if exponent < 0 { end >> -exponent } else { end << exponent }
     }
 
-    /// Of all pixels, as the pilot found.
-    pub fn seconds_per_sample(&self) -> f64 {
-        self.seconds / self.samples as f64
-    }
-
     /// Of the finished film.
     pub fn report(&self, film: &Film) -> AdaptiveReport {
-        let pixels = f64::from(film.width()) * f64::from(film.height());
-        let tiles = film.tiles().iter();
-        let samples: f64 = tiles.clone().map(|tile| tile.samples() as f64 * tile.rect().pixels() as f64).sum();
         let (mean, variance) = mean_of_film(film);
         // Nothing to compare where the image is black.
         let scale = if self.mean == 0.0 { 0.0 } else { 1.0 / self.mean };
@@ -152,8 +142,8 @@ impl Rates {
             pilot_samples: self.samples,
             pilot_seconds: self.seconds,
             least: film.samples(),
-            most: tiles.map(|tile| tile.samples()).max().unwrap_or(0),
-            mean: samples / pixels.max(1.0),
+            most: film.tiles().iter().map(|tile| tile.samples()).max().unwrap_or(0),
+            mean: film.mean_samples(),
             bias: (mean - self.mean) * scale,
             bias_half_width: 1.96 * (variance + self.variance).sqrt() * scale.abs(),
         }

@@ -68,9 +68,9 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Samples of every pixel, or where they were [divided](Outcome::adaptive), their mean, rounded.
+    /// Samples that every pixel has, or where they were [divided](Outcome::adaptive), their mean, rounded.
     pub fn samples_per_pixel(&self) -> u64 {
-        self.adaptive.map_or(self.film.samples(), |adaptive| adaptive.mean.round() as u64)
+        if self.adaptive.is_some() { self.film.mean_samples().round() as u64 } else { self.film.samples() }
     }
 }
 
@@ -161,15 +161,16 @@ pub fn render_by(
     let start = Instant::now();
     // Fresh memory costs page faults, which would pass for the price of samples.
     pool.install(|| film.tiles_mut().par_iter_mut().for_each(TileFilm::begin));
-    let rates = options.adaptive.then(|| pool.install(|| Rates::find(&pass, &film, &options.budget))).flatten();
-    let mut counters = rates.as_ref().map_or(Counters::default(), |rates| rates.counters);
+    let mut counters = Counters::default();
+    let find = || pool.install(|| Rates::find(&pass, &film, &options.budget, &mut counters));
+    let rates = options.adaptive.then(find).flatten();
     let (mut done, mut next) = (film.samples(), film.next_sample());
     let most = done + rates.as_ref().map_or(budget::MAX_SAMPLES, |_| Rates::MOST_SAMPLES) - next;
     let samples = Some(options.budget.samples.unwrap_or(most).min(most));
     let budget = Budget { samples, ..options.budget };
     let mut pacer = match &rates {
         None => Pacer::new(budget),
-        Some(rates) => Pacer::paced(budget, rates.seconds_per_sample()),
+        Some(rates) => Pacer::paced(budget, rates.seconds_per_sample),
     };
     let stopped_by = loop {
         let samples = match pacer.next(done, seconds_since_process_start(), output) {

@@ -6,6 +6,7 @@ use crate::film::{Film, Rect};
 use crate::kernel::{Counters, Job};
 use crate::sampling::child_key;
 use rayon::prelude::*;
+use std::time::Instant;
 
 /// Independent renders that the pilot consists of.
 pub const REPLICATES: u32 = 4;
@@ -21,6 +22,7 @@ pub struct Pilot {
     side: u32,
     /// Samples a pixel, of all replicates.
     pub samples: u64,
+    pub seconds: f64,
 }
 
 /// What they found of one.
@@ -37,7 +39,8 @@ struct Square {
 
 impl Pilot {
     /// With so many samples in each replicate, in the current thread pool; `None` once the user interrupts.
-    pub fn run(pass: &Pass, film: &Film, samples: u64) -> Option<Self> {
+    pub fn run(pass: &Pass, film: &Film, samples: u64, counters: &mut Counters) -> Option<Self> {
+        let start = Instant::now();
         let side = film.tile_side() * SQUARE;
         let (width, height) = (film.width(), film.height());
         let (across, down) = (width.div_ceil(side), height.div_ceil(side));
@@ -48,9 +51,10 @@ impl Pilot {
             width: side.min(width - x),
             height: side.min(height - y),
         });
-        let squares = rects.map(|rect| Square::run(pass, rect, samples as u32)).collect();
-        let whole = interrupt::presses() == 0;
-        whole.then_some(Pilot { squares, across, side, samples: samples * u64::from(REPLICATES) })
+        let squares: Vec<_> = rects.map(|rect| Square::run(pass, rect, samples as u32)).collect();
+        squares.iter().for_each(|square| counters.add(&square.counters));
+        let (samples, seconds) = (samples * u64::from(REPLICATES), start.elapsed().as_secs_f64());
+        (interrupt::presses() == 0).then_some(Pilot { squares, across, side, samples, seconds })
     }
 
     /// √(error of a pixel / rays of a sample) of a tile: by all replicates, and by each half of them.
@@ -64,13 +68,6 @@ impl Pilot {
         let values = 3.0 * pixels.max(1) as f64;
         let sum = |of: fn(&Square) -> f64| self.squares.iter().map(of).sum::<f64>();
         (sum(|square| square.mean) / values, sum(|square| square.variance) / (values * values))
-    }
-
-    /// Of all replicates.
-    pub fn counters(&self) -> Counters {
-        let mut counters = Counters::default();
-        self.squares.iter().for_each(|square| counters.add(&square.counters));
-        counters
     }
 
     /// The square of a tile.

@@ -55,6 +55,48 @@ fn seconds_may_be_the_budget() {
         scratch.json(&["render", "scene.toml", "--adaptive", "--time", "0.5", "-o", "a.exr", "--json", "-", "--quiet"]);
     assert_eq!(report["stopped_by"], "time");
     assert_eq!(report["adaptive"]["pilot_samples"], 16);
+    // All rays are counted, those of the first try of a pilot with four samples among them.
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let paths = (number(&report["adaptive"]["mean"]) + 4.0 + 16.0) * 24.0 * 16.0;
+    assert!((number(&report["paths"]) - paths).abs() < 0.5, "{report}");
+}
+
+#[test]
+fn an_error_may_be_the_budget() {
+    let scratch = Scratch::new();
+    let report = scratch.json(&[
+        "render",
+        "scene.toml",
+        "--adaptive",
+        "--error",
+        "0.03",
+        "-o",
+        "a.exr",
+        "--json",
+        "-",
+        "--quiet",
+    ]);
+    assert_eq!(report["stopped_by"], "error");
+    assert!(report["relative_error"].as_f64().unwrap() <= 0.03 && !report["adaptive"].is_null(), "{report}");
+}
+
+/// Nothing is rendered yet: a good image is not replaced by a black one.
+#[test]
+fn ctrl_c_during_the_pilot_leaves_the_image() {
+    let scratch = Scratch::new();
+    scratch.run(&["render", "scene.toml", "--spp", "4", "-o", "a.exr", "--quiet"]);
+    let before = std::fs::read(scratch.path("a.exr")).unwrap();
+    let child = std::process::Command::new(assert_cmd::cargo::cargo_bin("octolux"))
+        .current_dir(scratch.folder.path())
+        .args(["render", "scene.toml", "--adaptive", "--spp", "4096", "--size", "1024x1024", "-o", "a.exr", "--quiet"])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    nix::sys::signal::kill(nix::unistd::Pid::from_raw(child.id() as i32), nix::sys::signal::Signal::SIGINT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(text(&output.stderr).contains("nothing was written"), "{}", text(&output.stderr));
+    assert!(std::fs::read(scratch.path("a.exr")).unwrap() == before);
 }
 
 #[test]
