@@ -10,7 +10,9 @@ use super::texture::TextureTable;
 use crate::accel::{Accel, BuildOptions, BuildReport, Mode, Preset};
 use crate::geometry::{Hit, Ray, Rows, SphereAt, SphereRows, TriangleRows};
 use crate::lane::{Bits, Mask, Real, Vec3, float_mode};
-use crate::light::{Emitter, EmitterShape, Extent, LightError, LightSample, Lights, Reach, Receivers, SkySamples};
+use crate::light::{
+    Emitter, EmitterShape, EnvironmentMap, Extent, LightError, LightSample, Lights, Reach, Receivers, SkySamples,
+};
 use crate::own::Numbers;
 use crate::plan::{GeometryMode, Plan};
 use crate::sampling::SamplerKind;
@@ -327,8 +329,8 @@ fn build_lights(
     let environment = scene.environment.as_ref().filter(|_| plan.environment);
     let delta = if plan.delta_lights { &scene.delta_lights[..] } else { &[] };
     let samples = if plan.compensated_sky { SkySamples::Compensated } else { SkySamples::Alone };
-    let sky = environment.map(|sky| (sky, samples));
-    let mut lights = Lights::with_sky(emitters, sky, delta, extent(scale, positions, spheres))?;
+    let sky = environment.and_then(|sky| EnvironmentMap::sampled(sky, samples));
+    let mut lights = Lights::with_delta(emitters, sky, delta, extent(scale, positions, spheres))?;
     if plan.light_grid {
         lights.add_grid(&Receivers { positions, triangles: &scene.mesh.triangles, spheres });
     }

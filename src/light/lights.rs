@@ -3,7 +3,7 @@
 use super::area::{AreaLights, AreaSample};
 use super::delta::{DeltaLights, Extent};
 use super::sample::LightSample;
-use super::{Emitter, EnvironmentMap, LightError, Reach, Receivers, SkySamples};
+use super::{Emitter, EnvironmentMap, LightError, Reach, Receivers};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::sampling::rescale;
 use crate::scene::{DeltaLight, Environment};
@@ -33,31 +33,12 @@ pub struct Lights {
 impl Lights {
     /// Emitters without area or radiance are dropped, as is a black environment.
     pub fn build(emitters: Vec<Emitter>, environment: Option<&Environment>) -> Result<Self, LightError> {
-        let environment = environment.and_then(EnvironmentMap::build);
-        Self::of(emitters, environment, &[], Extent { scale: 1.0, radius: 1.0 })
+        let unit = Extent { scale: 1.0, radius: 1.0 };
+        Self::with_delta(emitters, environment.and_then(EnvironmentMap::build), &[], unit)
     }
 
     /// The same, with lights without extent.
     pub fn with_delta(
-        emitters: Vec<Emitter>,
-        environment: Option<&Environment>,
-        delta: &[DeltaLight],
-        extent: Extent,
-    ) -> Result<Self, LightError> {
-        Self::of(emitters, environment.and_then(EnvironmentMap::build), delta, extent)
-    }
-
-    /// The same, with samples of the sky for a purpose.
-    pub fn with_sky(
-        emitters: Vec<Emitter>,
-        sky: Option<(&Environment, SkySamples)>,
-        delta: &[DeltaLight],
-        extent: Extent,
-    ) -> Result<Self, LightError> {
-        Self::of(emitters, sky.and_then(|(sky, samples)| EnvironmentMap::sampled(sky, samples)), delta, extent)
-    }
-
-    fn of(
         emitters: Vec<Emitter>,
         environment: Option<EnvironmentMap>,
         delta: &[DeltaLight],

@@ -3,7 +3,7 @@
 use super::TESTS;
 use super::scenes::*;
 use crate::stats::{Moments, Rng, assert_mean, chi2_test, oracle, sidak_alpha};
-use octolux::light::{DELTA_LIGHT, Emitter, Extent, LightError, Lights};
+use octolux::light::{DELTA_LIGHT, Emitter, EnvironmentMap, Extent, LightError, Lights};
 use octolux::scene::{DeltaLight, Environment};
 use std::f64::consts::PI;
 
@@ -144,7 +144,7 @@ fn mixtures_add_up() {
         ("with both", vec![lamp], Some(&grey), 0.5 * PI + lamp_sum),
     ];
     for (name, emitters, environment, others) in scenes {
-        let lights = Lights::with_delta(emitters, environment, &all, HERE).unwrap();
+        let lights = Lights::with_delta(emitters, environment.and_then(EnvironmentMap::build), &all, HERE).unwrap();
         assert_eq!(lights.delta_count(), 3);
         let mut rng = Rng::new(23);
         let one = |_| {

@@ -3,7 +3,7 @@
 use super::scenes::*;
 use crate::stats::Rng;
 use octolux::lane::{Bits, Mask, Real, Vec3, f32x8, f32x16};
-use octolux::light::{Emitter, Extent, Lights};
+use octolux::light::{Emitter, EnvironmentMap, Extent, Lights};
 use octolux::scene::{DeltaLight, Environment};
 
 /// All a lane's outputs as bit patterns.
@@ -75,7 +75,8 @@ fn same_bits_at_every_width() {
     ];
     let mut rng = Rng::new(2);
     for (emitters, environment, delta) in scenes {
-        let lights = Lights::with_delta(emitters.to_vec(), environment, delta, extent).unwrap();
+        let lights =
+            Lights::with_delta(emitters.to_vec(), environment.and_then(EnvironmentMap::build), delta, extent).unwrap();
         for _ in 0..500 {
             let inputs = Inputs {
                 p: std::array::from_fn(|_| f32s(scaled(rng.sphere(), 0.2))),
