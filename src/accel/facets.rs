@@ -1,13 +1,13 @@
 //! The triangles of a small scene, every one of which is tested: roughly, and exactly where that leaves doubt.
 
 use super::block::keep_triangle;
-use super::interval::{Interval, Reach};
+use super::interval::{Interval, Segments};
 use super::pairs::{Facet, Pairs};
 use super::tree::common_octant;
 use crate::geometry::{Edges, Hit, MISS, RaySetup, Rows, SharedEdge, first_of_pair, second_of_pair};
 use crate::lane::{Bits, Mask, Real, axes};
 
-/// Any-hit packets whose [segments](Reach) are about one of this many pairs of triangles, or fewer, are tested exactly against
+/// Any-hit packets whose [segments](Segments) are about one of this many pairs of triangles, or fewer, are tested exactly against
 /// those. Found by measuring.
 const FEW: usize = 3;
 
@@ -16,7 +16,7 @@ const FEW: usize = 3;
 enum Around<'a, E: Real> {
     Nothing,
     Rays(&'a Interval<E>),
-    Segments(&'a Reach<E>),
+    Segments(&'a Segments<E>),
 }
 
 impl<E: Real> Around<'_, E> {
@@ -26,7 +26,7 @@ impl<E: Real> Around<'_, E> {
         match self {
             Around::Nothing => 0xff,
             Around::Rays(interval) => interval.entered(planes, t_max),
-            Around::Segments(reach) => reach.entered(planes),
+            Around::Segments(segments) => segments.entered(planes),
         }
     }
 }
@@ -113,9 +113,9 @@ impl TriangleList {
     pub fn any<R: Real>(&self, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask {
         if R::WIDTH > 1 {
             if R::select(active, t_max, R::zero()).highest().is_finite() {
-                let reach = Reach::new(setup, t_max, active);
-                if self.pairs.count_met(|planes| reach.entered(planes)) * FEW <= self.pairs.list.len() {
-                    return self.any_exact(setup, Around::Segments(&reach), t_max, active);
+                let segments = Segments::new(setup, t_max, active);
+                if self.pairs.count_met(|planes| segments.entered(planes)) * FEW <= self.pairs.list.len() {
+                    return self.any_exact(setup, Around::Segments(&segments), t_max, active);
                 }
             }
             if let Some(interval) = Interval::new(setup, common_octant(setup, active), active) {

@@ -103,7 +103,7 @@ impl<E: Real> Interval<E> {
 /// A hit at t < t_max has, as computed, t_near ≤ t and 0 ≤ t_far for its own box: so on each axis fl(fl(near − o)·inverse) <
 /// t_max, and the far plane is not behind o. The first puts near before o + t_max·d but for four roundings, which
 /// [`SEGMENT_MARGIN`] covers.
-pub struct Reach<E: Real> {
+pub struct Segments<E: Real> {
     lo: [E; 3],
     hi: [E; 3],
 }
@@ -111,7 +111,7 @@ pub struct Reach<E: Real> {
 /// Of |o| and |o + t_max·d|: 16 half ulps.
 const SEGMENT_MARGIN: f32 = 1.0 / 1_048_576.0;
 
-impl<E: Real> Reach<E> {
+impl<E: Real> Segments<E> {
     /// Of active lanes whose `t_max` is finite.
     #[inline(always)]
     pub fn new<R: Real>(setup: &RaySetup<R>, t_max: R, active: R::Mask) -> Self {
