@@ -1,17 +1,17 @@
 //! Samples of a sky that stand beside a material's own: their density in f64 by itself, and that images stay what they were.
 
 use super::TESTS;
-use super::environment::{direction_of, images};
+use super::environment::{assert_follow_their_density, images};
 use super::image::reference_lookup;
 use super::scenes::*;
 use crate::renders::{self, Set, assert_image_mean};
+use crate::stats::Rng;
 use crate::stats::quadrature::gauss_legendre;
-use crate::stats::{Chi2Sphere, Rng};
 use octolux::Renderer;
 use octolux::bsdf::{Eval, Sample};
 use octolux::kernel::{Prepare, World};
 use octolux::lane::{Mask, Real, Vec3};
-use octolux::light::{Extent, Lights, SkySamples};
+use octolux::light::{EnvironmentMap, Extent, Lights, SkySamples};
 use octolux::own::{Bsdf, Own};
 use octolux::plan::{Force, Plan};
 use octolux::sampling::{SamplerKind, warp};
@@ -21,7 +21,7 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 fn compensated(image: &EnvironmentImage) -> Lights {
     let sky = Environment::Image(image.clone());
     let extent = Extent { scale: 1.0, radius: 1.0 };
-    Lights::with_sky(Vec::new(), Some((&sky, SkySamples::Compensated)), &[], extent).unwrap()
+    Lights::with_delta(Vec::new(), EnvironmentMap::sampled(&sky, SkySamples::Compensated), &[], extent).unwrap()
 }
 
 /// The weights of texel centres: the mean over the channels less that over the sphere, times sin θ; and whether they count.
@@ -100,16 +100,7 @@ impl Oracle<'_> {
 
 #[test]
 fn samples_follow_their_density() {
-    for (name, image) in images() {
-        let lights = compensated(&image);
-        let axis = if name == "sun" { direction_of(&image, 9, 50) } else { [0.0, 1.0, 0.0] };
-        let power = if name == "sun" { 4.0 } else { 1.0 };
-        let outcome = Chi2Sphere::new(name).tests(TESTS).around(axis, power).outcome(
-            |rng| Some(f64s(draw(&lights, [0.0; 3], rng).wi.lane(0))),
-            |d| stated_pdf(&lights, &[], [0.0; 3], d),
-        );
-        assert!(outcome.failure.is_none(), "{}", outcome.failure.unwrap());
-    }
+    assert_follow_their_density(compensated);
 }
 
 #[test]

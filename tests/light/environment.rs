@@ -33,8 +33,13 @@ pub fn images() -> Vec<(&'static str, EnvironmentImage)> {
 
 #[test]
 fn images_follow_their_density() {
+    assert_follow_their_density(image_lights);
+}
+
+/// Of all [`images`], as lights, whose sun is looked at closely.
+pub fn assert_follow_their_density(lights_of: impl Fn(&EnvironmentImage) -> Lights) {
     for (name, image) in images() {
-        let lights = image_lights(&image);
+        let lights = lights_of(&image);
         let axis = if name == "sun" { direction_of(&image, 9, 50) } else { [0.0, 1.0, 0.0] };
         let power = if name == "sun" { 4.0 } else { 1.0 };
         let outcome = Chi2Sphere::new(name).tests(TESTS).around(axis, power).outcome(
