@@ -301,8 +301,8 @@ fn scatter<R: Real, S: Shade, P: Probe>(
 
 /// Russian roulette as the scene has it ([`Roulette`](crate::scene::Roulette)), by max β·η².
 ///
-/// With the cap alone, also above what the scene calls little, β would grow by 1/0.95 an event in a white room: almost every path ends early, few carry nearly
-/// everything, and the variance has no bound (`check --numerics`, white cavity, prints what that gives).
+/// With the cap alone, also above what the scene calls little, β would grow by 1/0.95 an event in a white room: almost every
+/// path ends early, few carry nearly everything, and the variance has no bound (`check --numerics`, white cavity, prints what that gives).
 #[inline(always)]
 fn roulette<R: Real, P: Probe>(world: &World, paths: &mut Paths<R>, u: R, probe: &mut P) {
     let carried = paths.beta.max_component() * paths.eta_squared;
