@@ -47,9 +47,36 @@ impl TriangleBlock {
     fn load<E: Real>(&self, order: [usize; 3], i: usize) -> Vertices<E> {
         axes(|vertex| axes(|k| E::load(&self.v[vertex][order[k]][i..])))
     }
+    /// Own boxes, laid out as [`Node::planes`](super::node::Node::planes).
+    #[inline(always)]
+    pub fn own_boxes<E: Real>(&self, planes: &mut [[f32; 8]; 6]) {
+        for i in (0..8).step_by(E::WIDTH) {
+            let (lo, hi) = own_box(self.load::<E>([0, 1, 2], i));
+            for k in 0..3 {
+                lo[k].store(&mut planes[2 * k][i..]);
+                hi[k].store(&mut planes[2 * k + 1][i..]);
+            }
+        }
+    }
+    /// Components of the normals, and the largest of each.
+    #[inline(always)]
+    pub fn normals<E: Real>(&self, columns: &mut [[f32; 8]; 4]) {
+        for i in (0..8).step_by(E::WIDTH) {
+            let normal = plane_normal(self.load::<E>([0, 1, 2], i));
+            for k in 0..3 {
+                normal[k].store(&mut columns[k][i..]);
+            }
+            largest(normal).store(&mut columns[3][i..]);
+        }
+    }
+    /// A coordinate of a vertex of triangle `i` in every lane.
+    #[inline(always)]
+    pub fn splat_one<R: Real>(&self, vertex: usize, axis: usize, i: usize) -> R {
+        R::splat(self.v[vertex][axis][i])
+    }
     /// Triangle `i` in every lane.
     #[inline(always)]
-    fn splat<R: Real>(&self, order: [usize; 3], i: usize) -> Vertices<R> {
+    pub fn splat<R: Real>(&self, order: [usize; 3], i: usize) -> Vertices<R> {
         axes(|vertex| axes(|k| R::splat(self.v[vertex][order[k]][i])))
     }
 

@@ -23,15 +23,28 @@ impl<E: Real> Interval<E> {
     /// `None` where the lanes' signs differ or a component of a direction is so small that its inverse is infinite.
     #[inline(always)]
     pub fn new<R: Real>(setup: &RaySetup<R>, negative: Option<[usize; 3]>, active: R::Mask) -> Option<Self> {
-        let negative = negative?;
+        Self::around(core::slice::from_ref(setup), &[active], negative?)
+    }
+
+    /// Of packets whose active lanes all have these signs; see [`Interval::new`].
+    #[inline(always)]
+    pub fn around<R: Real>(setups: &[RaySetup<R>], active: &[R::Mask], negative: [usize; 3]) -> Option<Self> {
         let infinity = R::splat(f32::INFINITY);
-        let lowest = axes(|k| R::select(active, setup.inverse[k], infinity).lowest());
-        let highest = axes(|k| R::select(active, setup.inverse[k], -infinity).highest());
+        // Lane by lane over the packets first: to go across lanes takes longer.
+        let extremes = |of: fn(&RaySetup<R>) -> [R; 3]| {
+            let mut bounds = [[infinity; 3], [-infinity; 3]];
+            for (setup, active) in setups.iter().zip(active) {
+                let x = of(setup);
+                bounds[0] = axes(|k| R::select(*active, x[k], infinity).min_or(bounds[0][k]));
+                bounds[1] = axes(|k| R::select(*active, x[k], -infinity).max_or(bounds[1][k]));
+            }
+            (axes(|k| bounds[0][k].lowest()), axes(|k| bounds[1][k].highest()))
+        };
+        let (lowest, highest) = extremes(|setup| setup.inverse);
         if lowest.iter().chain(&highest).any(|x| !x.is_finite()) {
             return None;
         }
-        let o_lowest = axes(|k| R::select(active, setup.origin[k], infinity).lowest());
-        let o_highest = axes(|k| R::select(active, setup.origin[k], -infinity).highest());
+        let (o_lowest, o_highest) = extremes(|setup| setup.origin);
         Some(Self {
             near_origin: axes(|k| E::splat(if negative[k] != 0 { o_lowest[k] } else { o_highest[k] })),
             far_origin: axes(|k| E::splat(if negative[k] != 0 { o_highest[k] } else { o_lowest[k] })),

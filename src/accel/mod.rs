@@ -12,6 +12,7 @@ mod collapse;
 mod corners;
 mod facets;
 mod flight;
+mod group;
 mod interval;
 mod lanes;
 mod leaf;

@@ -1,12 +1,15 @@
 //! All lanes together through the tree.
 
+use super::group::{Group, PACKETS};
 use super::interval::Interval;
 use super::node::{Child, Node};
 use super::tree::{Block, PacketRay, STACK, Tree};
 use super::{Accel, Mode, Packet, Single};
 use crate::geometry::slab::slab;
-use crate::geometry::{Hit, RaySetup};
+use crate::geometry::{Hit, Ray, RaySetup};
+use crate::lane::array::from_fn;
 use crate::lane::{Bits, Mask, Real, axes};
+use core::array::{from_mut, from_ref};
 
 /// Slots still to visit: node·8 + slot.
 struct Stack {
@@ -98,41 +101,6 @@ pub fn walk<B: Block, R: Real>(
     }
 }
 
-/// [`walk`] by the bounds of the packet alone, for closest hits: of rays so close that they share an octant nearly all
-/// enter what their bounds enter, and a test of each lane costs more than it spares.
-#[inline(always)]
-fn walk_bounds<B: Block, R: Real>(
-    tree: &Tree<B>,
-    interval: &Interval<R::Eight>,
-    active: R::Mask,
-    t_max: R,
-    mut leaf: impl FnMut(&B, u32) -> R,
-) {
-    let farthest = |t: R| R::select(active, t, R::zero()).highest();
-    let mut t_best = farthest(t_max);
-    let (mut t_nears, mut children) = ([0f32; STACK], [tree.root.0; STACK]);
-    let mut len = usize::from(tree.root != Child::NONE && active.any());
-    while let Some(last) = len.checked_sub(1) {
-        len = last;
-        let child = Child(children[len]);
-        if t_nears[len] > t_best {
-            continue;
-        }
-        if child.is_leaf() {
-            let block = &tree.blocks[child.index()];
-            let places = block.places(Some(interval), t_best);
-            if places != 0 {
-                t_best = farthest(leaf(block, places));
-            }
-        } else {
-            let (bits, t_near, words) = interval.children(&tree.nodes[child.index()], t_best);
-            t_near.compress(bits).store(&mut t_nears[len..]);
-            <R::Eight as Real>::from_bits(words).compress(bits).to_bits().store(&mut children[len..]);
-            len += bits.count_ones() as usize;
-        }
-    }
-}
-
 /// The slab test of one child against all lanes.
 #[inline(always)]
 fn enter<R: Real>(node: &Node, slot: usize, ray: &PacketRay<R>) -> (R, R) {
@@ -148,30 +116,49 @@ fn enter<R: Real>(node: &Node, slot: usize, ray: &PacketRay<R>) -> (R, R) {
 
 /// The closest hits of `active` lanes in a tree, beside what `hit` has already.
 #[inline(always)]
-fn closest<B: Block, R: Real>(
-    tree: &Tree<B>,
-    ray: &PacketRay<R>,
-    interval: Option<&Interval<R::Eight>>,
-    active: R::Mask,
-    hit: &mut Hit<R>,
-) {
+fn closest<B: Block, R: Real>(tree: &Tree<B>, ray: &PacketRay<R>, active: R::Mask, hit: &mut Hit<R>) {
     let t_max = hit.t;
-    match interval {
-        Some(interval) => walk_bounds(tree, interval, active, t_max, |block, places| {
-            block.closest_packet(ray, places, active, hit, t_max);
-            hit.t
-        }),
-        None => walk(
-            tree,
-            ray,
-            active,
-            t_max,
-            |_, _| false,
-            |block, places, inside| {
-                block.closest_packet(ray, places, inside, hit, t_max);
-                (active, hit.t)
-            },
-        ),
+    walk(
+        tree,
+        ray,
+        active,
+        t_max,
+        |_, _| false,
+        |block, places, inside| {
+            block.closest_packet(ray, places, inside, hit, t_max);
+            (active, hit.t)
+        },
+    );
+}
+
+/// The closest hits of packets, which go together through the tree of triangles if they can.
+#[inline(never)]
+fn closest_together<R: Real, const N: usize>(
+    accel: &Accel,
+    rays: &[Ray<R>; N],
+    active: &[R::Mask; N],
+    hits: &mut [Hit<R>; N],
+) {
+    let setups = from_fn(|p| RaySetup::new(&rays[p]));
+    let active: [R::Mask; N] = from_fn(|p| active[p] & rays[p].usable());
+    let group = Group::new(&setups, active);
+    if let Some(group) = &group {
+        let found = group.closest(&accel.triangle_tree, from_fn(|p| rays[p].t_max));
+        for p in 0..N {
+            hits[p] = Hit::miss(rays[p].t_max);
+            hits[p].replace(active[p], found[p]);
+        }
+        if accel.sphere_tree.root == Child::NONE {
+            return;
+        }
+    }
+    for p in 0..N {
+        let ray = PacketRay::new(&setups[p], active[p]);
+        if group.is_none() {
+            hits[p] = Hit::miss(rays[p].t_max);
+            closest(&accel.triangle_tree, &ray, active[p], &mut hits[p]);
+        }
+        closest(&accel.sphere_tree, &ray, active[p], &mut hits[p]);
     }
 }
 
@@ -200,10 +187,28 @@ impl Mode for Packet {
         if R::WIDTH == 1 {
             return Single::closest(accel, setup, active, hit);
         }
-        let ray = PacketRay::new(setup, active);
-        let interval = Interval::<R::Eight>::new(setup, ray.negative, active);
-        closest(&accel.triangle_tree, &ray, interval.as_ref(), active, hit);
-        closest(&accel.sphere_tree, &ray, interval.as_ref(), active, hit);
+        let mut hits = [*hit];
+        closest_together(accel, &[setup.ray(hit.t)], &[active], &mut hits);
+        [*hit] = hits;
+    }
+
+    #[inline(always)]
+    fn closest_many<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &mut [Hit<R>]) {
+        if R::WIDTH == 1 {
+            return Single::closest_many(accel, rays, active, hits);
+        }
+        // Of a large tree's small triangles each packet meets others.
+        let packets = if accel.triangle_tree.far { 0 } else { rays.len() / PACKETS * PACKETS };
+        let (rays, rays_left) = rays.split_at(packets);
+        let (active, active_left) = active.split_at(packets);
+        let (hits, hits_left) = hits.split_at_mut(packets);
+        let groups = rays.as_chunks::<PACKETS>().0.iter().zip(active.as_chunks::<PACKETS>().0);
+        for ((rays, active), hits) in groups.zip(hits.as_chunks_mut::<PACKETS>().0) {
+            closest_together(accel, rays, active, hits);
+        }
+        for ((rays, active), hits) in rays_left.iter().zip(active_left).zip(hits_left) {
+            closest_together(accel, from_ref(rays), from_ref(active), from_mut(hits));
+        }
     }
 
     #[inline(always)]

@@ -112,6 +112,41 @@ fn segments_that_just_reach() {
     assert!(hits * 5 > rays.len() && hits * 2 < rays.len(), "{hits} of {} hit: the test would see little", rays.len());
 }
 
+/// As a camera sends them: packets that go through the tree together, some of their rays at vertices and along edges, some
+/// that end early or are no use, at triangles of which some lie on others.
+#[test]
+fn packets_that_go_together() {
+    let mut rng = Random::new(57);
+    let mut shapes = Shapes::random(1200, 20, 0.08, &mut rng);
+    for i in 0..300 {
+        let [a, b, c] = shapes.vertices(4 * i);
+        shapes.push([a, b, c]);
+        // More than a block holds, for equals to be met in any order.
+        (0..if i % 10 == 0 { 30 } else { 1 }).for_each(|_| shapes.push([b, c, a]));
+    }
+    let accel = shapes.everything(Preset::Medium);
+    let mut rays = Vec::new();
+    for bundle in 0..128 {
+        // Every other bundle down one octant, the others wherever.
+        let o = if bundle % 2 == 0 { [-1.9, -1.8, -1.7] } else { rng.point(1.9) };
+        let target = shapes.vertices(4 * rng.below(300));
+        for i in 0..64 {
+            let (a, b) = (target[i % 3], target[(i + 1) % 3]);
+            let s = [0.0, 0.5, 1.0, rng.unit()][i / 3 % 4];
+            let off = if i % 2 == 0 { 0.0 } else { 0.05 };
+            let d = [0, 1, 2].map(|k| a[k] + s * (b[k] - a[k]) - o[k] + off * rng.signed());
+            let t_max = [f32::INFINITY, f32::INFINITY, 1.0, f32::NAN][rng.below(64) % if i % 16 < 14 { 2 } else { 4 }];
+            rays.push(OneRay { o, d, t_max });
+        }
+    }
+    let hits = ask_all(&[&accel], &rays).iter().filter(|(hit, _)| hit.1 != MISS).count();
+    assert!(
+        hits * 3 > rays.len() && hits < rays.len() - 200,
+        "{hits} of {} hit: the test would see little",
+        rays.len()
+    );
+}
+
 /// A ray's answer does not depend on its lane, nor on what the other lanes hold.
 #[test]
 fn lanes_may_be_permuted() {

@@ -149,6 +149,8 @@ pub fn ask_all(accels: &[&Accel], rays: &[OneRay]) -> Vec<(Found, bool)> {
         same(&format!("tree {k} shadow 16"), ask::<f32x16, Shadow>(accel, rays, |_| true));
         same(&format!("tree {k} streams 8"), ask_many::<f32x8, Stream>(accel, rays));
         same(&format!("tree {k} streams 16"), ask_many::<f32x16, Stream>(accel, rays));
+        same(&format!("tree {k} packets 8"), ask_many::<f32x8, Packet>(accel, rays));
+        same(&format!("tree {k} packets 16"), ask_many::<f32x16, Packet>(accel, rays));
         same(&format!("tree {k} shadows 1"), ask_many::<f32, Shadow>(accel, rays));
         same(&format!("tree {k} shadows 8"), ask_many::<f32x8, Shadow>(accel, rays));
         same(&format!("tree {k} shadows 16"), ask_many::<f32x16, Shadow>(accel, rays));

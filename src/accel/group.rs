@@ -1,0 +1,224 @@
+//! Packets that go the same way, through the tree as one (Overbeck, Ramamoorthi, Mark 2008, "Large Ray Packets for
+//! Real-time Whitted Ray Tracing"): what is bounded for all of their rays at once costs no more than for one packet's.
+
+use super::block::TriangleBlock;
+use super::interval::Interval;
+use super::lanes::ones;
+use super::leaf::Leaf;
+use super::node::Child;
+use super::tree::{Block, STACK, Tree};
+use crate::geometry::slab::slab;
+use crate::geometry::{Edges, Hit, MISS, RaySetup, edges};
+use crate::lane::array::{from_fn, map};
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real, axes};
+use std::cell::RefCell;
+
+/// Packets that go together at most.
+pub const PACKETS: usize = 2;
+
+/// Triangles of a block times packets.
+const CANDIDATES: usize = 8 * PACKETS;
+
+/// What a walk works on: kept from one to the next because it would take longer to clear than to use.
+#[repr(C, align(64))]
+struct Scratch {
+    /// Children still to visit.
+    t_near: [f32; STACK],
+    child: [u32; STACK],
+    candidates: Candidates,
+}
+
+/// Triangles of a block that some lanes of a packet pass between the edges of.
+struct Candidates {
+    /// Weights of vertices 1 and 2 and the sum of all three, by candidate and lane.
+    values: [[[f32; MAX_WIDTH]; 3]; CANDIDATES],
+    /// Lanes that pass.
+    lanes: [u32; CANDIDATES],
+    /// [`PACKETS`] times the place in the block, and the packet.
+    which: [u32; CANDIDATES],
+    /// Of the block's triangles.
+    own_boxes: [[f32; 8]; 6],
+}
+
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = const {
+        RefCell::new(Scratch {
+            t_near: [0.0; STACK],
+            child: [0; STACK],
+            candidates: Candidates {
+                values: [[[0.0; MAX_WIDTH]; 3]; CANDIDATES],
+                lanes: [0; CANDIDATES],
+                which: [0; CANDIDATES],
+                own_boxes: [[0.0; 8]; 6],
+            },
+        })
+    };
+}
+
+/// The best hits of a packet so far, not yet divided.
+#[derive(Clone, Copy)]
+struct Best<R: Real> {
+    t: R,
+    primitive: R::Bits,
+    /// Weights of vertices 1 and 2, and the sum of all three.
+    weights: [R; 2],
+    sum: R,
+}
+
+/// `N` packets that go into one octant, along the same longest axis.
+pub struct Group<'a, R: Real, const N: usize> {
+    setups: &'a [RaySetup<R>; N],
+    active: [R::Mask; N],
+    interval: Interval<R::Eight>,
+    /// [`RaySetup::order`].
+    order: [usize; 3],
+    /// 1 where the direction is negative, by axis.
+    negative: [usize; 3],
+}
+
+impl<'a, R: Real, const N: usize> Group<'a, R, N> {
+    /// `None` where they do not go together, or none is active.
+    #[inline(always)]
+    pub fn new(setups: &'a [RaySetup<R>; N], active: [R::Mask; N]) -> Option<Self> {
+        let (leader, lane) = leader(&active)?;
+        let order: [u32; 3] = axes(|k| setups[leader].order[k].lane(lane));
+        let negative: [bool; 3] = axes(|k| setups[leader].negative[k].lane(lane));
+        let mut same = true;
+        for (setup, active) in setups.iter().zip(&active) {
+            // Two axes leave one.
+            let orders = (0..2).map(|k| setup.order[k].eq(R::Bits::splat(order[k])));
+            let signs = (0..3).map(|k| !(setup.negative[k] ^ R::Mask::splat(negative[k])));
+            let agree = orders.chain(signs).fold(*active, |all, mask| all & mask);
+            same &= agree.bits() == active.bits();
+        }
+        let negative = axes(|k| usize::from(negative[k]));
+        let interval = if same { Interval::around(setups, &active, negative) } else { None };
+        let order = axes(|k| order[k] as usize % 3);
+        Some(Self { setups, active, interval: interval?, order, negative })
+    }
+
+    /// The closest hits; of lanes that are not active a miss at 0.
+    #[inline(always)]
+    pub fn closest(&self, tree: &Tree<TriangleBlock>, t_max: [R; N]) -> [Hit<R>; N] {
+        let miss = Best { t: R::zero(), primitive: R::Bits::splat(MISS), weights: [R::zero(); 2], sum: R::one() };
+        // Nothing is nearer than 0.
+        let mut best: [Best<R>; N] = from_fn(|p| Best { t: t_max[p].masked(self.active[p]), ..miss });
+        SCRATCH.with_borrow_mut(|scratch| self.walk(tree, scratch, &mut best));
+        map(best, |best| {
+            let (u, v) = Edges::normalised(best.weights, best.sum);
+            Hit { t: best.t, primitive: best.primitive, u, v }
+        })
+    }
+
+    /// By the bounds of the group alone: of rays so close nearly all enter what their bounds enter, and a test of each lane
+    /// costs more than it spares.
+    #[inline(always)]
+    fn walk(&self, tree: &Tree<TriangleBlock>, scratch: &mut Scratch, best: &mut [Best<R>; N]) {
+        let Scratch { t_near: t_nears, child: children, candidates } = scratch;
+        let mut t_best = farthest(best);
+        (t_nears[0], children[0]) = (0.0, tree.root.0);
+        let mut len = usize::from(tree.root != Child::NONE);
+        while let Some(last) = len.checked_sub(1) {
+            len = last;
+            let child = Child(children[len]);
+            if t_nears[len] > t_best {
+                continue;
+            }
+            if child.is_leaf() {
+                let block = &tree.blocks[child.index()];
+                let count = self.find(block, candidates, t_best);
+                if count > 0 {
+                    self.meet(block, candidates, count, best);
+                    t_best = farthest(best);
+                }
+            } else {
+                let (bits, t_near, words) = self.interval.children(&tree.nodes[child.index()], t_best);
+                t_near.compress(bits).store(&mut t_nears[len..]);
+                <R::Eight as Real>::from_bits(words).compress(bits).to_bits().store(&mut children[len..]);
+                len += bits.count_ones() as usize;
+            }
+        }
+    }
+
+    /// Lists the block's triangles that some packet passes between the edges of; how many.
+    #[inline(always)]
+    fn find(&self, block: &TriangleBlock, candidates: &mut Candidates, t_best: f32) -> usize {
+        let places = block.places(Some(&self.interval), t_best);
+        if places == 0 {
+            return 0;
+        }
+        block.own_boxes::<R::Eight>(&mut candidates.own_boxes);
+        // Which lanes pass is anybody's guess: no branch on it.
+        let mut len = 0;
+        for place in ones(places) {
+            let place = place % 8;
+            let v = block.splat(self.order, place);
+            for (p, setup) in self.setups.iter().enumerate() {
+                let edges = edges(&setup.shear, v, self.active[p]);
+                let at = len % CANDIDATES;
+                let [w1, w2, sum] = &mut candidates.values[at];
+                edges.weights[0].store(w1);
+                edges.weights[1].store(w2);
+                edges.sum.store(sum);
+                let lanes = edges.inside.bits();
+                candidates.lanes[at] = lanes;
+                candidates.which[at] = (place * PACKETS + p) as u32;
+                len += usize::from(lanes != 0);
+            }
+        }
+        len
+    }
+
+    /// Meets the first `count` candidates.
+    #[inline(always)]
+    fn meet(&self, block: &TriangleBlock, candidates: &Candidates, count: usize, best: &mut [Best<R>; N]) {
+        let mut normals = [[0.0; 8]; 4];
+        block.normals::<R::Eight>(&mut normals);
+        for k in 0..count {
+            let k = k % CANDIDATES;
+            let which = candidates.which[k] as usize;
+            let (place, p) = (which / PACKETS % 8, which % PACKETS % N);
+            let setup = &self.setups[p];
+            let v0 = axes(|axis| block.splat_one(0, axis, place));
+            let depths = axes(|vertex| block.splat_one::<R>(vertex, self.order[2], place) - setup.shear.origin[2]);
+            let [w1, w2, sum] = axes(|i| R::load(&candidates.values[k][i]));
+            let mut edges = Edges::passed([w1, w2], sum, depths);
+            edges.inside = R::Mask::from_bits(candidates.lanes[k]);
+            let normal = axes(|axis| R::splat(normals[axis][place]));
+            let (hits, t) = edges.distances(setup, v0, normal, R::splat(normals[3][place]));
+            let plane = |axis: usize, upper: usize| R::splat(candidates.own_boxes[2 * axis + upper][place]);
+            let near = axes(|axis| plane(axis, self.negative[axis]));
+            let far = axes(|axis| plane(axis, 1 - self.negative[axis]));
+            let (t_near, t_far) = slab(near, far, setup.origin, setup.inverse);
+            let primitive = R::Bits::splat(block.id(place));
+            best[p].keep(hits & t_near.le(t_far), Best { t: t_near.max_or(t), primitive, weights: [w1, w2], sum });
+        }
+    }
+}
+
+impl<R: Real> Best<R> {
+    /// Takes the lanes of `hits` that are nearer, or as near and of a lower primitive.
+    #[inline(always)]
+    fn keep(&mut self, hits: R::Mask, found: Self) {
+        // As signed differences, since primitives are below 2²⁹: MISS is then not above any.
+        let lower = !(found.primitive - self.primitive).shr::<31>().eq(R::Bits::splat(0));
+        let wins = hits & (found.t.lt(self.t) | found.t.eq(self.t) & lower);
+        self.t = R::select(wins, found.t, self.t);
+        self.primitive = R::Bits::select(wins, found.primitive, self.primitive);
+        self.weights = [0, 1].map(|i| R::select(wins, found.weights[i], self.weights[i]));
+        self.sum = R::select(wins, found.sum, self.sum);
+    }
+}
+
+/// The first active packet and lane.
+#[inline(always)]
+fn leader<M: Mask>(active: &[M]) -> Option<(usize, usize)> {
+    let packet = active.iter().position(|mask| mask.any())?;
+    Some((packet, active[packet].bits().trailing_zeros() as usize % MAX_WIDTH))
+}
+
+/// Up to where some lane looks for hits.
+#[inline(always)]
+fn farthest<R: Real, const N: usize>(best: &[Best<R>; N]) -> f32 {
+    best.iter().fold(R::zero(), |t, best| best.t.max_or(t)).highest()
+}
