@@ -1,6 +1,6 @@
 //! Leaves: eight triangles or spheres side by side.
 
-use super::interval::Interval;
+use super::interval::{Interval, Segments};
 use super::lanes::ones;
 use super::leaf::{EdgeValues, Found, Leaf};
 use super::tree::{Block, OneHit, OneRay, PacketRay};
@@ -262,6 +262,15 @@ impl Block for TriangleBlock {
         t_near.le_bits(t_far) & filled
     }
     #[inline(always)]
+    fn places_about<E: Real>(&self, segments: &Segments<E>) -> u32 {
+        let filled = filled(&self.id);
+        if E::WIDTH < 8 {
+            return filled;
+        }
+        let (lo, hi) = own_box(self.load([0, 1, 2], 0));
+        segments.meets(lo, hi) & filled
+    }
+    #[inline(always)]
     fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
         // Two loops: a choice of order inside one would keep the vertices as scalars.
         match ray.order {
@@ -328,6 +337,10 @@ impl Leaf for SphereBlock {
 impl Block for SphereBlock {
     #[inline(always)]
     fn places<E: Real>(&self, _: Option<&Interval<E>>, _: f32) -> u32 {
+        filled(&self.id)
+    }
+    #[inline(always)]
+    fn places_about<E: Real>(&self, _: &Segments<E>) -> u32 {
         filled(&self.id)
     }
     #[inline(always)]

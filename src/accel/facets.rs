@@ -26,7 +26,7 @@ impl<E: Real> Around<'_, E> {
         match self {
             Around::Nothing => 0xff,
             Around::Rays(interval) => interval.entered(planes, t_max),
-            Around::Segments(segments) => segments.entered(planes),
+            Around::Segments(segments) => segments.meet(planes),
         }
     }
 }
@@ -114,7 +114,7 @@ impl TriangleList {
         if R::WIDTH > 1 {
             if R::select(active, t_max, R::zero()).highest().is_finite() {
                 let segments = Segments::new(setup, t_max, active);
-                if self.pairs.count_met(|planes| segments.entered(planes)) * FEW <= self.pairs.list.len() {
+                if self.pairs.count_met(|planes| segments.meet(planes)) * FEW <= self.pairs.list.len() {
                     return self.any_exact(setup, Around::Segments(&segments), t_max, active);
                 }
             }

@@ -1,6 +1,6 @@
 //! The rays of a [`Stream`](super::Stream) that are in flight, and their stacks.
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, ones};
 use super::leaf::EdgeValues;
 use super::node::Child;
 use super::tree::{OneHit, STACK};
@@ -9,14 +9,17 @@ use crate::lane::{Bits, Mask, Real};
 use std::cell::RefCell;
 
 /// Rays in flight at most.
-pub const RAYS: usize = 64;
+pub const RAYS: usize = 128;
+
+/// Rays as bits.
+pub type Rays = u128;
 
 /// Places below every stack whose entries are always open and lead to [`Child::DONE`], so that there is always one to
 /// take.
 pub const FLOOR: usize = 8;
 
 /// Children that a ray may be [given](Flight::give) before it sets out.
-const GIVEN: usize = 64;
+pub const GIVEN: usize = 64;
 
 /// Places of one ray's stack.
 const PLACES: usize = FLOOR + GIVEN + STACK;
@@ -134,33 +137,33 @@ impl Flight {
         self.floored = true;
     }
 
-    /// Leaves `child` to each of the rays `first` + `bits`, on which they will find it. False, and nothing done, where
-    /// one has been given as many as it can take.
+    /// Leaves `child` to each of the rays `first` + `bits`, on which they will find it: at most [`GIVEN`] to each.
     #[inline(always)]
-    pub fn give(&mut self, first: usize, bits: u32, child: Child) -> bool {
-        let rays = || super::lanes::ones(bits).map(|lane| (first + lane) % RAYS);
-        if rays().any(|i| self.top[i] as usize >= i * PLACES + FLOOR + GIVEN) {
-            return false;
-        }
-        for i in rays() {
+    pub fn give(&mut self, first: usize, bits: u32, child: Child) {
+        for i in ones(bits).map(|lane| (first + lane) % RAYS) {
             let top = self.top[i] as usize;
             // Open whatever is hit before.
             self.stacks.t_near[top] = 0.0;
             self.stacks.child[top] = child.0;
             self.top[i] = top as u32 + 1;
         }
-        true
     }
 }
 
 /// Lays out packets; their live lanes as bits.
 #[inline(always)]
-pub fn board<R: Real>(flight: &mut Flight, rays: &[Ray<R>], active: &[R::Mask]) -> u64 {
+pub fn board<R: Real>(flight: &mut Flight, rays: &[Ray<R>], active: &[R::Mask]) -> Rays {
     let mut bits = 0;
     for (k, (ray, active)) in rays.iter().zip(active).enumerate() {
         let first = k * R::WIDTH;
         flight.board(first, &RaySetup::new(ray), ray.t_max);
-        bits |= u64::from((*active & ray.usable()).bits()) << first;
+        bits |= Rays::from((*active & ray.usable()).bits()) << first;
     }
     bits
+}
+
+/// The rays of `bits`.
+#[inline(always)]
+pub fn rays(bits: Rays) -> impl Iterator<Item = usize> {
+    (0..RAYS / 32).flat_map(move |k| ones((bits >> (32 * k)) as u32).map(move |i| (32 * k + i) % RAYS))
 }

@@ -125,14 +125,16 @@ pub struct Segments<E: Real> {
 const SEGMENT_MARGIN: f32 = 1.0 / 1_048_576.0;
 
 impl<E: Real> Segments<E> {
-    /// Of active lanes whose `t_max` is finite.
+    /// Of active lanes.
     #[inline(always)]
     pub fn new<R: Real>(setup: &RaySetup<R>, t_max: R, active: R::Mask) -> Self {
         let infinity = R::splat(f32::INFINITY);
         let ends = axes(|k| {
             let (from, to) = (setup.origin[k], setup.direction[k].mul_add(t_max, setup.origin[k]));
-            let margin = (from.abs() + to.abs()) * R::splat(SEGMENT_MARGIN);
-            let (lo, hi) = (from.min_or(to) - margin, from.max_or(to) + margin);
+            // Without end, `to` is infinite and needs no margin, or NaN across the ray, where `from` wins over it.
+            let reach = R::select(to.is_finite(), to, from).abs();
+            let margin = (from.abs() + reach) * R::splat(SEGMENT_MARGIN);
+            let (lo, hi) = (to.min_or(from) - margin, to.max_or(from) + margin);
             [R::select(active, lo, infinity).lowest(), R::select(active, hi, -infinity).highest()]
         });
         Self { lo: axes(|k| E::splat(ends[k][0])), hi: axes(|k| E::splat(ends[k][1])) }
@@ -140,9 +142,14 @@ impl<E: Real> Segments<E> {
 
     /// Of eight boxes as in [`Node::planes`] those that some segment may meet, as bits.
     #[inline(always)]
-    pub fn entered(&self, planes: &[[f32; 8]; 6]) -> u32 {
-        let meets =
-            |k: usize| E::load(&planes[2 * k]).le_bits(self.hi[k]) & self.lo[k].le_bits(E::load(&planes[2 * k + 1]));
-        meets(0) & meets(1) & meets(2)
+    pub fn meet(&self, planes: &[[f32; 8]; 6]) -> u32 {
+        self.meets(axes(|k| E::load(&planes[2 * k])), axes(|k| E::load(&planes[2 * k + 1])))
+    }
+
+    /// Of boxes those that some segment may meet, as bits.
+    #[inline(always)]
+    pub fn meets(&self, lo: [E; 3], hi: [E; 3]) -> u32 {
+        let both = axes(|k| lo[k].le_bits(self.hi[k]) & self.lo[k].le_bits(hi[k]));
+        both[0] & both[1] & both[2]
     }
 }

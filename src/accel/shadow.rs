@@ -1,13 +1,16 @@
 //! Shadow rays: together where they go the same way, each on its own from where they part.
 
-use super::flight::{FLIGHT, Flight, RAYS, board};
-use super::node::Child;
-use super::packet::walk;
+use super::flight::{FLIGHT, Flight, GIVEN, RAYS, Rays, board};
+use super::interval::{Interval, Segments};
+use super::lanes::ones;
+use super::node::{Child, Node};
 use super::stream::any_of;
 use super::tree::{Block, PacketRay, STACK, Tree};
 use super::{Accel, Mode, Shadow, Single, Stream};
+use crate::geometry::slab::slab;
 use crate::geometry::{Hit, Ray, RaySetup};
 use crate::lane::{Mask, Real, axes};
+use std::cell::RefCell;
 
 /// Where no more than one of this many lanes enters a child they leave the packet for it. Found by measuring.
 const FEW: usize = 4;
@@ -19,44 +22,103 @@ struct Entry {
     lanes: u32,
 }
 
-/// [`packet::walk`](walk) for any hits of rays that do not go into the same octant: the children of a node are tested
-/// at once and without a branch, since what some lane of 16 meets is anybody's guess.
+thread_local! {
+    // What a walk leaves behind is never read.
+    static ENTRIES: RefCell<[Entry; STACK]> = const { RefCell::new([Entry { child: Child::NONE, lanes: 0 }; STACK]) };
+}
+
+/// What leaves out most boxes that no lane of a packet enters, eight at a time.
+trait Around<R: Real> {
+    fn entered(&self, node: &Node) -> u32;
+    fn places<B: Block>(&self, block: &B) -> u32;
+    /// [`RaySetup::slab`] of a child.
+    fn enter(&self, node: &Node, slot: usize, setup: &RaySetup<R>) -> (R, R);
+}
+
+/// Of lanes that go into one octant.
+struct Beam<E: Real> {
+    interval: Interval<E>,
+    negative: [usize; 3],
+    farthest: f32,
+}
+
+impl<R: Real> Around<R> for Beam<R::Eight> {
+    #[inline(always)]
+    fn entered(&self, node: &Node) -> u32 {
+        self.interval.entered(&node.planes, self.farthest)
+    }
+    #[inline(always)]
+    fn places<B: Block>(&self, block: &B) -> u32 {
+        block.places(Some(&self.interval), self.farthest)
+    }
+    #[inline(always)]
+    fn enter(&self, node: &Node, slot: usize, setup: &RaySetup<R>) -> (R, R) {
+        let plane = |k: usize, upper: usize| R::splat(node.planes[2 * k + upper][slot]);
+        let near = axes(|k| plane(k, self.negative[k]));
+        let far = axes(|k| plane(k, 1 - self.negative[k]));
+        slab(near, far, setup.origin, setup.inverse)
+    }
+}
+
+impl<R: Real> Around<R> for Segments<R::Eight> {
+    #[inline(always)]
+    fn entered(&self, node: &Node) -> u32 {
+        self.meet(&node.planes)
+    }
+    #[inline(always)]
+    fn places<B: Block>(&self, block: &B) -> u32 {
+        block.places_about(self)
+    }
+    #[inline(always)]
+    fn enter(&self, node: &Node, slot: usize, setup: &RaySetup<R>) -> (R, R) {
+        let plane = |k: usize, upper: usize| R::splat(node.planes[2 * k + upper][slot]);
+        setup.slab(axes(|k| plane(k, 0)), axes(|k| plane(k, 1)))
+    }
+}
+
+/// Walks the tree for any hits: `leaf` tests places of a block against the lanes that enter it, and returns the lanes still
+/// wanted. `left` is offered the lanes that enter a child; where it takes them, the packet goes no further there.
+///
+/// The lanes are tested against the children of a node at once and without a branch, since what some lane of 16 meets is
+/// anybody's guess.
 #[inline(always)]
-fn walk_apart<B: Block, R: Real>(
+fn walk<B: Block, R: Real>(
     tree: &Tree<B>,
-    ray: &PacketRay<R>,
+    setup: &RaySetup<R>,
+    around: impl Around<R>,
     active: R::Mask,
     t_max: R,
     mut left: impl FnMut(Child, R::Mask) -> bool,
     mut leaf: impl FnMut(&B, u32, R::Mask) -> R::Mask,
 ) {
-    let mut stack = [Entry { child: tree.root, lanes: active.bits() }; STACK];
-    let (mut open, mut len) = (active.bits(), usize::from(tree.root != Child::NONE));
-    while let Some(last) = len.checked_sub(1) {
-        len = last;
-        let Entry { child, lanes } = stack[len];
-        let lanes = lanes & open;
-        if lanes == 0 || left(child, R::Mask::from_bits(lanes)) {
-            continue;
+    ENTRIES.with_borrow_mut(|stack| {
+        let (mut open, mut len) = (active.bits(), usize::from(tree.root != Child::NONE));
+        stack[0] = Entry { child: tree.root, lanes: open };
+        while let Some(last) = len.checked_sub(1) {
+            len = last;
+            let Entry { child, lanes } = stack[len];
+            let lanes = lanes & open;
+            if lanes == 0 || left(child, R::Mask::from_bits(lanes)) {
+                continue;
+            }
+            if child.is_leaf() {
+                let block = &tree.blocks[child.index()];
+                open = leaf(block, around.places(block), R::Mask::from_bits(lanes)).bits();
+                continue;
+            }
+            let node = &tree.nodes[child.index()];
+            let entries = &mut stack[len..len + 8];
+            let mut count = 0;
+            for slot in ones(around.entered(node)) {
+                let slot = slot % 8;
+                let (t_near, t_far) = around.enter(node, slot, setup);
+                let lanes = t_near.le_bits(t_far.min_or(t_max)) & lanes;
+                entries[count % 8] = Entry { child: Child(node.children[slot]), lanes };
+                count += usize::from(lanes != 0);
+            }
+            len += count;
         }
-        if child.is_leaf() {
-            let block = &tree.blocks[child.index()];
-            let all = block.places::<R::Eight>(None, 0.0);
-            open = leaf(block, all, R::Mask::from_bits(lanes)).bits();
-            continue;
-        }
-        let node = &tree.nodes[child.index()];
-        let entries = &mut stack[len..len + 8];
-        let mut count = 0;
-        for slot in 0..8 {
-            let plane = |k: usize, upper: usize| R::splat(node.planes[2 * k + upper][slot]);
-            let (t_near, t_far) = ray.setup.slab(axes(|k| plane(k, 0)), axes(|k| plane(k, 1)));
-            let lanes = t_near.le_bits(t_far.min_or(t_max)) & lanes;
-            entries[count % 8] = Entry { child: Child(node.children[slot]), lanes };
-            count += usize::from(lanes != 0);
-        }
-        len += count;
-    }
+    })
 }
 
 /// Which rays of a packet, `first` … of the flight, hit anything of a tree: the packet goes as far as it holds together,
@@ -69,32 +131,34 @@ fn together<B: Block, R: Real>(
     setup: &RaySetup<R>,
     t_max: R,
     active: R::Mask,
-    given: &mut u64,
+    given: &mut Rays,
 ) -> R::Mask {
     let ray = PacketRay::new(setup, active);
     let mut open = active;
-    let mut boarded = false;
+    let mut gifts = 0;
     let leave = |child: Child, lanes: R::Mask| {
         let bits = lanes.bits();
-        if bits.count_ones() as usize * FEW > R::WIDTH {
+        if bits.count_ones() as usize * FEW > R::WIDTH || gifts == GIVEN {
             return false;
         }
-        if !boarded {
+        if gifts == 0 {
             flight.board(first, setup, t_max);
-            boarded = true;
         }
-        *given |= u64::from(bits) << first;
-        flight.give(first, bits, child)
+        gifts += 1;
+        *given |= Rays::from(bits) << first;
+        flight.give(first, bits, child);
+        true
     };
     let leaf = |block: &B, places: u32, inside: R::Mask| {
         open = open & !block.any_packet(&ray, places, t_max, inside & open);
         open
     };
-    if ray.negative.is_some() {
-        let mut leaf = leaf;
-        walk(tree, &ray, active, t_max, leave, |block, places, inside| (leaf(block, places, inside), t_max));
+    let interval = Interval::<R::Eight>::new(setup, ray.negative, active);
+    if let (Some(interval), Some(negative)) = (interval, ray.negative) {
+        let farthest = R::select(active, t_max, R::zero()).highest();
+        walk(tree, setup, Beam { interval, negative, farthest }, active, t_max, leave, leaf);
     } else {
-        walk_apart(tree, &ray, active, t_max, leave, leaf);
+        walk(tree, setup, Segments::new(setup, t_max, active), active, t_max, leave, leaf);
     }
     active & !open
 }
@@ -103,15 +167,15 @@ fn together<B: Block, R: Real>(
 #[inline(never)]
 fn any<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
     FLIGHT.with_borrow_mut(|flight| {
-        let (mut all, mut hidden, mut given) = (0u64, 0u64, 0u64);
+        let (mut all, mut hidden, mut given) = (0, 0, 0);
         let lanes =
-            |k: usize, bits: u64| R::Mask::from_bits((bits >> (k * R::WIDTH)) as u32 & (u32::MAX >> (32 - R::WIDTH)));
+            |k: usize, bits: Rays| R::Mask::from_bits((bits >> (k * R::WIDTH)) as u32 & (u32::MAX >> (32 - R::WIDTH)));
         for (k, (ray, active)) in rays.iter().zip(active).enumerate() {
             let (setup, first) = (RaySetup::new(ray), k * R::WIDTH);
             let usable = *active & ray.usable();
-            all |= u64::from(usable.bits()) << first;
+            all |= Rays::from(usable.bits()) << first;
             let hit = together(&accel.triangle_tree, flight, first, &setup, ray.t_max, usable, &mut given);
-            hidden |= u64::from(hit.bits()) << first;
+            hidden |= Rays::from(hit.bits()) << first;
         }
         hidden |= any_of::<_, R>(&accel.triangle_tree, flight, given & !hidden, true);
         if accel.sphere_tree.root != Child::NONE {

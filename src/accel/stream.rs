@@ -7,7 +7,7 @@
 //! it is known beforehand: a processor overlaps some three node tests, and only if nothing is stored at an address that
 //! one of them has yet to find.
 
-use super::flight::{Best, Candidates, FLIGHT, FLOOR, Flight, RAYS, Stacks, board};
+use super::flight::{Best, Candidates, FLIGHT, FLOOR, Flight, RAYS, Rays, Stacks, board, rays};
 use super::lanes::Lanes;
 use super::leaf::Found;
 use super::lists::{BLOCKS, Counts, Lists, NODES, POPS};
@@ -21,6 +21,9 @@ use core::hint::select_unpredictable;
 
 /// Fewer candidates than this are met one after another, more side by side. Found by measuring.
 const FEW: usize = 4;
+
+/// Rays that are sent at once: with more in flight their stacks leave the nearest cache. Found by measuring.
+const TOGETHER: usize = 64;
 
 /// Is told of each candidate: the ray, whether it hits, and how.
 pub trait Keep: Fn(&mut Best, usize, bool, OneHit) {}
@@ -147,15 +150,15 @@ impl<B: Block> Walk<'_, B> {
 /// Walks the rays of `bits` from the root on, or what they were [given](Flight::give). `keep` is told of each that meets a
 /// primitive whether it hits, and how.
 #[inline(always)]
-pub fn walk<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: u64, given: bool, keep: impl Keep) {
-    if tree.root == Child::NONE {
+pub fn walk<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays, given: bool, keep: impl Keep) {
+    if tree.root == Child::NONE || bits == 0 {
         return;
     }
     let Flight { lanes, best, stacks, top, candidates, .. } = flight;
     let mut walk = Walk { tree, stacks, top: *top, child: [tree.root; RAYS], lists: Lists::EMPTY };
     let mut counts = Counts::default();
     let first = if given { POPS } else { tree.root.kind() };
-    for i in (0..RAYS).filter(|i| bits >> i & 1 != 0) {
+    for i in rays(bits) {
         walk.lists.push(&mut counts, i, first);
     }
     while !counts.none() {
@@ -197,14 +200,13 @@ fn closest<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &m
 
 /// Which rays of `bits` hit anything of a tree; those that do not are left.
 #[inline(always)]
-pub fn any_of<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: u64, given: bool) -> u64 {
+pub fn any_of<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays, given: bool) -> Rays {
     walk::<B, R>(tree, flight, bits, given, |best, i, hit, _| {
         best.primitive[i] = select_unpredictable(hit, 0, best.primitive[i]);
         // Nothing on its stack is entered so soon, but the floor.
         best.t[i] = select_unpredictable(hit, f32::NEG_INFINITY, best.t[i]);
     });
-    let hit = |i: &usize| bits >> i & 1 != 0 && flight.best.primitive[*i] != MISS;
-    (0..RAYS).filter(hit).fold(0u64, |bits, i| bits | 1 << i)
+    rays(bits).fold(0, |hits, i| hits | Rays::from(flight.best.primitive[i] != MISS) << i)
 }
 
 /// Which of at most [`RAYS`] rays hit anything.
@@ -241,7 +243,7 @@ impl Mode for Stream {
         if R::WIDTH == 1 {
             return Single::closest_many(accel, rays, active, hits);
         }
-        let packets = RAYS / R::WIDTH;
+        let packets = TOGETHER / R::WIDTH;
         for ((rays, active), hits) in rays.chunks(packets).zip(active.chunks(packets)).zip(hits.chunks_mut(packets)) {
             closest(accel, rays, active, hits);
         }
@@ -251,7 +253,7 @@ impl Mode for Stream {
         if R::WIDTH == 1 {
             return Single::any_many(accel, rays, active, found);
         }
-        let packets = RAYS / R::WIDTH;
+        let packets = TOGETHER / R::WIDTH;
         for ((rays, active), found) in rays.chunks(packets).zip(active.chunks(packets)).zip(found.chunks_mut(packets)) {
             any(accel, rays, active, found);
         }

@@ -1,7 +1,7 @@
 //! A tree of eight-wide nodes over blocks of eight primitives.
 
 use super::collapse::collapse;
-use super::interval::Interval;
+use super::interval::{Interval, Segments};
 use super::leaf::Leaf;
 use super::node::{Child, Node};
 use super::{Preset, build};
@@ -18,6 +18,8 @@ pub const STACK: usize = MAX_DEPTH * 7 + 16;
 pub trait Block: Leaf + Copy + Send + Sync {
     /// Which of them some lane of a packet may hit before `t_best`, as bits: all, where nothing is known of the packet.
     fn places<E: Real>(&self, interval: Option<&Interval<E>>, t_best: f32) -> u32;
+    /// Which of them some of a packet's segments may meet, as bits.
+    fn places_about<E: Real>(&self, segments: &Segments<E>) -> u32;
     /// A packet against each of `places` in turn.
     fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, active: R::Mask, hit: &mut Hit<R>, t_max: R);
     fn any_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, t_max: R, active: R::Mask) -> R::Mask;

@@ -71,13 +71,14 @@ impl<R: Real> RaySetup<R> {
         let swap = d[2].lt(R::zero());
         let swapped = |v: [R; 3]| [R::select(swap, v[1], v[0]), R::select(swap, v[0], v[1]), v[2]];
         let (d, o) = (swapped(d), swapped(o));
+        let inverse = axes(|k| direction[k].recip());
         Self {
             origin,
             direction,
-            inverse: axes(|k| direction[k].recip()),
+            inverse,
             negative: axes(|k| sign_bit(direction[k])),
             order: [R::Bits::select(swap, k[1], k[0]), R::Bits::select(swap, k[0], k[1]), k[2]],
-            shear: Shear { origin: o, scale: [d[0] / d[2], d[1] / d[2], d[2].recip()] },
+            shear: Shear { origin: o, scale: [d[0] / d[2], d[1] / d[2], rotated_real(inverse, 0)] },
         }
     }
     /// The ray this was made of.
