@@ -143,6 +143,9 @@ pub struct Plan {
     pub delta_lights: bool,
     /// Are paths traced from the lights, too? The same in the general kernel: it decides on samples.
     pub light_paths: bool,
+    /// Do the pixels of a group share what their paths find after the first bounce? The same in the general kernel: it decides on
+    /// samples.
+    pub path_reuse: bool,
     /// Does the camera have a lens of some size?
     pub lens: bool,
     /// Images that change how materials scatter or emit.
@@ -250,6 +253,11 @@ impl Plan {
             by_path && lamps > 0 && lamps <= FEW_EMITTERS && !lit && !light_paths,
             format!("{lamps} primitives emit, {FEW_EMITTERS} are few; the rest of the light counts against it"),
         );
+        let path_reuse = std::env::var("REUSE").is_ok() && decide(
+            "path reuse",
+            by_path && scene.integrator.max_bounces >= 2 && !light_paths,
+            "".to_string(),
+        );
         let radius = scene.camera.lens_radius;
         let lens = decide("lens", radius > 0.0, format!("its radius is {radius}"));
         let images = Images::of(scene, &used);
@@ -297,6 +305,7 @@ impl Plan {
             light_grid,
             delta_lights,
             light_paths,
+            path_reuse,
             lens,
             textures,
             cutouts,

@@ -134,6 +134,28 @@ impl<R: Real> MaterialAt<R> {
         self.is(KIND_DIFFUSE)
     }
 
+    pub fn is_dielectric(&self) -> R::Mask {
+        self.is(KIND_DIELECTRIC)
+    }
+
+    pub fn to_row(&self) -> [R; 10] {
+        let (a, b) = (self.a, self.b);
+        [self.kind, a.x, a.y, a.z, b.x, b.y, b.z, self.alpha, R::one().masked(self.separable), self.c]
+    }
+
+    pub fn from_row(row: [R; 10]) -> Self {
+        let [kind, ax, ay, az, bx, by, bz, alpha, separable, c] = row;
+        MaterialAt {
+            kind,
+            a: Vec3::new(ax, ay, az),
+            b: Vec3::new(bx, by, bz),
+            alpha,
+            separable: separable.gt(R::zero()),
+            c,
+            emission: Vec3::zero(),
+        }
+    }
+
     #[inline(always)]
     fn diffuse(&self) -> Diffuse<R> {
         Diffuse { reflectance: self.a }

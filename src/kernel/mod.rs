@@ -16,6 +16,7 @@ mod pattern;
 mod phong;
 mod probe;
 mod queue;
+mod reuse;
 mod rows;
 mod shade;
 mod surface;

@@ -108,6 +108,10 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
     }
     let scatters = alive & paths.bounce.lt(R::splat(world.max_bounces));
     let outward = -paths.ray.direction;
+    let mut shared = R::Mask::splat(false);
+    if world.plan.path_reuse {
+        shared = super::reuse::arrive(surface, paths, scatters, out);
+    }
     if world.plan.shading_normals {
         surface.face(outward);
     }
@@ -120,18 +124,24 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
         let n = Vec3::select(facing.lt(R::zero()), -surface.ng, surface.ng);
         paths.table = lights.table_at(surface.at.p, n);
     }
+    if world.plan.path_reuse {
+        super::reuse::keep_first(world.max_bounces, surface, paths, scatters, out);
+    }
     let alone = by_lights_alone(world, paths, &surface, scatters);
     if (world.lights.is_some() || S::OWN_LIGHT) && scatters.any() {
         let arrival = arrival.as_ref();
         let competing = scatters & !alone;
-        sample_direct(world, shade, paths, &surface, &frame, wo, &u, [scatters, competing], arrival, shadows, probe);
+        sample_direct(world, shade, paths, &surface, &frame, wo, &u, [scatters, competing, shared], arrival, shadows, out, probe);
     }
     let sample = scatter(world, shade, paths, &surface, &frame, wo, &u, scatters & !alone, probe);
     if let Some(arrival) = arrival.filter(|_| paths.alive.any()) {
         let back = reversed_pdf(world, shade, paths.hit, surface, [wo, sample.wi], paths.alive & !sample.delta);
         arrival.leave(surface, sample, [wo.z, back], *paths, out);
     }
-    roulette(world, paths, u[ROULETTE], probe);
+    let carried = roulette(world, paths, u[ROULETTE], probe);
+    if shared.any() {
+        super::reuse::leave(surface, &sample, paths, carried, shared, out);
+    }
 }
 
 #[inline(always)]
@@ -215,9 +225,10 @@ fn sample_direct<R: Real, S: Shade, P: Probe>(
     frame: &Frame<R>,
     wo: Vec3<R>,
     u: &[R; BOUNCE],
-    [scatters, competing]: [R::Mask; 2],
+    [scatters, competing, shared]: [R::Mask; 3],
     arrival: Option<&Arrival<R>>,
     shadows: &mut Queue<R, SHADOW>,
+    out: &mut SampleBuffer,
     probe: &mut P,
 ) {
     let lit = scatters & !shade.is_delta(world, &paths.hit, surface);
@@ -246,10 +257,18 @@ fn sample_direct<R: Real, S: Shade, P: Probe>(
         weight = weight * surface.terminator(light.wi, wi.z, wo.z);
     }
     let contribution = paths.beta.hadamard(eval.value).hadamard(light.radiance) * weight;
+    let mut contribution = contribution;
+    let mut slot = paths.slot;
+    let shared = shared & lit & (same_side(wi.z, wo.z) | surface.material.is_dielectric());
+    if shared.any() {
+        let (of_light, of_slot) = super::reuse::keep_light(*surface, &light, paths.slot, shared, out);
+        contribution = Vec3::select(shared, of_light, contribution);
+        slot = R::Bits::select(shared, of_slot, slot);
+    }
     let contribution = probe.tap_rgb(Stage::LightContribution, paths.lanes(lit), contribution);
     let carries = lit & contribution.max_component().gt(R::zero());
     if carries.any() {
-        shadows.push(carries, &pack_shadows(&light_ray(surface, &light), contribution, paths));
+        shadows.push(carries, &pack_shadows(&light_ray(surface, &light), contribution, slot, paths.bounce));
     }
 }
 
@@ -304,15 +323,17 @@ fn scatter<R: Real, S: Shade, P: Probe>(
 /// With the cap alone, also above what the scene calls little, β would grow by 1/0.95 an event in a white room: almost every
 /// path ends early, few carry nearly everything, and the variance has no bound (`check --numerics`, white cavity, prints what that gives).
 #[inline(always)]
-fn roulette<R: Real, P: Probe>(world: &World, paths: &mut Paths<R>, u: R, probe: &mut P) {
+fn roulette<R: Real, P: Probe>(world: &World, paths: &mut Paths<R>, u: R, probe: &mut P) -> R {
     let carried = paths.beta.max_component() * paths.eta_squared;
     let Some((plays, survival)) = world.roulette.survival(paths.bounce + R::one(), carried, paths.alive) else {
-        return;
+        return R::one();
     };
     let survival = probe.tap(Stage::Roulette, paths.lanes(plays), survival);
     let survives = u.lt(survival);
     paths.alive = paths.alive & (survives | !plays);
-    paths.beta = paths.beta * R::select(plays & survives, survival.recip(), R::one());
+    let factor = R::select(plays & survives, survival.recip(), R::one());
+    paths.beta = paths.beta * factor;
+    factor
 }
 
 /// The scene's [`Roulette`](crate::scene::Roulette) as lanes use it.

@@ -175,7 +175,8 @@ impl Probe for Recorder {
                 bits = disturbed(stage, bits);
                 value.set_lane(lane, f32::from_bits(bits));
             }
-            self.records[slot as usize].push(Record { bounce, stage, lane: lane as u32, bits });
+            let count = self.records.len();
+            self.records[slot as usize % count].push(Record { bounce, stage, lane: lane as u32, bits });
         }
         value
     }

@@ -34,9 +34,9 @@ pub fn pack_hit<R: Real>(hit: &Hit<R>) -> [R; HIT - GOING] {
 }
 
 #[inline(always)]
-pub fn pack_shadows<R: Real>(ray: &Ray<R>, contribution: Vec3<R>, paths: &Paths<R>) -> [R; SHADOW] {
+pub fn pack_shadows<R: Real>(ray: &Ray<R>, contribution: Vec3<R>, slot: R::Bits, bounce: R) -> [R; SHADOW] {
     let (o, d, c) = (ray.origin, ray.direction, contribution);
-    [o.x, o.y, o.z, d.x, d.y, d.z, ray.t_max, c.x, c.y, c.z, R::from_bits(paths.slot), paths.bounce]
+    [o.x, o.y, o.z, d.x, d.y, d.z, ray.t_max, c.x, c.y, c.z, R::from_bits(slot), bounce]
 }
 
 #[inline(always)]

@@ -7,7 +7,7 @@ use crate::geometry::{Hit, Ray, SurfacePoint, inner_weights, offset_origin, sphe
 use crate::lane::{Mask, Real, Vec3};
 
 /// The least cosine between the viewer and a shading normal that does not face him: about 89°.
-const LEAST_FACING: f32 = 1.0 / 64.0;
+pub(super) const LEAST_FACING: f32 = 1.0 / 64.0;
 
 /// Where a packet's rays met the scene.
 ///
@@ -156,7 +156,7 @@ fn facing<R: Real>(ng: Vec3<R>, ns: Vec3<R>, wo: Vec3<R>) -> Vec3<R> {
 
 /// See [`Surface::terminator`].
 #[inline(never)]
-fn softening<R: Real>(ng: Vec3<R>, ns: Vec3<R>, wi: Vec3<R>, wi_z: R, wo_z: R) -> R {
+pub(super) fn softening<R: Real>(ng: Vec3<R>, ns: Vec3<R>, wi: Vec3<R>, wi_z: R, wo_z: R) -> R {
     let g = (ng.dot(wi) / (wi_z * ng.dot(ns))).abs().min_or(R::one());
     let softened = g * (g * (R::one() - g) + R::one());
     let reflects = (wi_z * wo_z).gt(R::zero());

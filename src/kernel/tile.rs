@@ -45,6 +45,8 @@ pub struct SampleBuffer {
     pub features: Option<Vec<AovSample>>,
     /// What camera paths carry beside light paths (see [`light_paths`](super::light_paths)); empty where there are none.
     pub light_ratio: Vec<f32>,
+    /// What paths leave to be [shared](super::reuse).
+    pub(super) shared: super::reuse::Shared,
 }
 
 impl SampleBuffer {

@@ -35,6 +35,12 @@ pub fn render<R: Real, T: Traversal, S: Shade, P: Probe>(
     probe: &mut P,
 ) {
     out.begin_ratios(world.light_paths.is_some());
+    let reuse = world.plan.path_reuse;
+    if reuse {
+        let general = <S::Models as super::material::ShadingKind>::SHADING == crate::plan::Shading::General;
+        out.shared.begin(job.slots(), general || world.plan.shading_normals);
+        out.rgb.resize(3 * job.slots(), [0.0; 3]);
+    }
     let mut camera = CameraQueue::<R>::new(world, job);
     let mut wave = Wave::<R, T, S, P>::new(world, shade, POOL, out, counters, probe);
     wave.run(|counters| {
@@ -42,6 +48,9 @@ pub fn render<R: Real, T: Traversal, S: Shade, P: Probe>(
         counters.traced(true, packet.active);
         Some(Paths::begin(packet.ray, packet.hit, packet.rng, packet.slot, packet.active))
     });
+    if reuse {
+        super::reuse::connect::<R, T, S, P>(world, job, out, counters, probe);
+    }
 }
 
 /// See the module.

@@ -1,0 +1,93 @@
+//! The groups of a job: which pixels share, and which of their paths.
+
+use super::connect::Group;
+use super::{Second, Shared};
+use crate::kernel::path::Traversal;
+use crate::kernel::probe::{Lanes, Probe, Stage};
+use crate::kernel::shade::Shade;
+use crate::kernel::tile::{Counters, Job, SampleBuffer};
+use crate::kernel::world::World;
+use crate::lane::{Bits, Real, Vec3};
+use crate::sampling::sample_key;
+
+pub fn tune(name: &str, default: u32) -> u32 {
+    std::env::var(name).ok().and_then(|x| x.parse().ok()).unwrap_or(default)
+}
+
+/// Gives every pixel of a job its part of what the paths of its group found.
+#[inline(never)]
+pub fn connect<R: Real, T: Traversal, S: Shade, P: Probe>(
+    world: &World,
+    job: &Job,
+    out: &mut SampleBuffer,
+    counters: &mut Counters,
+    probe: &mut P,
+) {
+    static TUNE: std::sync::OnceLock<[u32; 3]> = std::sync::OnceLock::new();
+    let [wide, high, most] = *TUNE.get_or_init(|| [tune("OX", 8), tune("OY", 8), tune("OM", 24)]);
+    let (right, bottom) = (job.x + job.width, job.y + job.height);
+    let mut group = Group::<R>::new(wide as usize * high as usize);
+    let mut slots = Vec::with_capacity(wide as usize * high as usize);
+    for y in (job.y / high * high..bottom).step_by(high as usize) {
+        for x in (job.x / wide * wide..right).step_by(wide as usize) {
+            for sample in 0..job.samples {
+                let columns = || x.max(job.x)..(x + wide).min(right);
+                let rows = y.max(job.y)..(y + high).min(bottom);
+                let slot = |x: u32, y: u32| ((y - job.y) * job.width + x - job.x) * job.samples + sample;
+                slots.clear();
+                slots.extend(rows.flat_map(|y| columns().map(move |x| slot(x, y))));
+                let pixel = y.max(job.y) * world.film.width + x.max(job.x);
+                let key = sample_key(job.seed ^ SALT, pixel, job.first_sample + sample);
+                group.begin(&slots, &out.shared);
+                choose(&mut group, &slots, &out.shared, &out.rgb, most as f32, key);
+                group.connect::<T, S>(world, out, counters);
+            }
+        }
+    }
+    out.rgb.truncate(job.slots());
+    if P::ACTIVE {
+        for (slot, rgb) in out.rgb.iter_mut().enumerate() {
+            let lanes = Lanes::<f32> { slot: Bits::splat(slot as u32), bounce: 0.0, active: true };
+            *rgb = probe.tap_rgb(Stage::Radiance, lanes, Vec3::splat(*rgb)).lane(0);
+        }
+    }
+}
+
+/// Tells the keys of choices from those of paths.
+const SALT: u64 = 0x7265_7573_655f_6b65;
+
+/// Chooses whose finds are shared: about `most` of those at Lambert vertices, each with a probability in proportion to its
+/// radiance, by one number for all (systematic sampling), and carrying the more. The others are few.
+fn choose<R: Real>(group: &mut Group<R>, slots: &[u32], shared: &Shared, rgb: &[[f32; 3]], most: f32, key: u64) {
+    let count = shared.slots() as usize;
+    let radiance = |slot: u32| rgb[count + slot as usize];
+    let brightness = |[r, g, b]: [f32; 3]| r + g + b;
+    let lambert = |slot: u32| shared.second[slot as usize][Second::KIND] == Second::LAMBERT;
+    let total: f32 = slots.iter().filter(|&&slot| lambert(slot)).map(|&slot| brightness(radiance(slot))).sum();
+    let scale = most / total;
+    let mut walk = (key >> 40) as f32 * (1.0 / (1u32 << 24) as f32);
+    for &slot in slots {
+        let second = &shared.second[slot as usize];
+        match second[Second::KIND] {
+            Second::LAMBERT => {
+                let found = radiance(slot);
+                let probability = (brightness(found) * scale).min(1.0);
+                walk += probability;
+                if walk >= 1.0 {
+                    walk -= 1.0;
+                    let share = probability.recip();
+                    group.add(slot, None, found.map(|x| x * share));
+                }
+            }
+            Second::LOBES => {
+                for (place, half) in [(Second::LIGHT, 1), (Second::BOUNCE, 2)] {
+                    let found = rgb[half * count + slot as usize];
+                    if second[place] != 0.0 && brightness(found) > 0.0 {
+                        group.add(slot, Some((second[place] as usize - 1, place == Second::BOUNCE)), found);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Path reuse: pixels of a group share what their paths find after the first bounce (Bekaert, Sbert, Halton 2002,
+//! "Accelerating Path Tracing by Re-Using Paths").
+//!
+//! Path k of a group sees its first vertex x_k and samples a second, y_k, with density p_k there. Every first vertex of the
+//! group could have sampled y_k: with the balance heuristic over all of them (Veach 1997, chapter 9) pixel i estimates
+//!
+//! ```text
+//! Σ_j f(x_i → y_j) V(x_i, y_j) L(y_j → x_i) / Σ_k p_k(y_j) V(x_k, y_j)
+//! ```
+//!
+//! where f holds the BSDF and the cosines. It is unbiased whatever the x are, and no worse than a path of its own: a y_j that
+//! only x_j could have found has the weight it had. What costs is a segment for each pair, and those of a group lie side by side.
+//!
+//! What of a path is shared, after it scattered at x_j by no delta:
+//! - At a Lambert y_j all that it scatters, whose radiance is the same to every side of the surface that sees it.
+//! - At other y_j its light sample, with the BSDF towards each x_i; and what the path finds beyond its next vertex z_j, which
+//!   counts as sampled from all (x_k, y_j) by their BSDFs.
+//!
+//! Emission found by a BSDF's sample stays with the path that found it, as its share of the light (the other is that of
+//! the light sample). So do paths that meet a delta. Errors of the pixels of a group are correlated.
+
+mod connect;
+mod group;
+mod vertex;
+
+pub use group::connect;
+pub(super) use vertex::{arrive, keep_first, keep_light, leave};
+
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real, array};
+
+/// Values of a row.
+const ROW: usize = 16;
+
+/// A row of a table, of each lane.
+type Row = [f32; ROW];
+
+/// What the paths of a job leave to be shared, a row a slot.
+#[derive(Default)]
+pub struct Shared {
+    /// First vertices: position, where rays leave, geometric and shading normal on the viewer's side, albedo; 1.
+    first: Vec<Row>,
+    /// Their direction to the viewer and material; empty where all that scatters is Lambert and flat.
+    scattering: Vec<Row>,
+    /// Second vertices: position and its error, normals on the viewer's side, [what](Second) they are.
+    second: Vec<Row>,
+    /// A BSDF and a direction at a second vertex that is not Lambert.
+    lobes: Vec<Row>,
+}
+
+/// Last four values of a second vertex. Places in a row.
+struct Second;
+
+impl Second {
+    /// 0 for none, else [`Second::LAMBERT`] or [`Second::LOBES`].
+    const KIND: usize = 12;
+    /// 1 + the lobe of the light sample, 0 for none.
+    const LIGHT: usize = 13;
+    /// 1 + the lobe of the path's own way on, 0 for none.
+    const BOUNCE: usize = 14;
+    /// What roulette multiplied the path by that went on.
+    const CARRIED: usize = 15;
+
+    const LAMBERT: f32 = 1.0;
+    const LOBES: f32 = 2.0;
+}
+
+/// Where in a first vertex its validity is.
+const VALID: usize = 15;
+
+impl Shared {
+    /// Room for a job; `scattering` where materials are more than an albedo.
+    pub fn begin(&mut self, slots: usize, scattering: bool) {
+        let empty = |table: &mut Vec<Row>, rows: usize| {
+            table.clear();
+            table.resize(rows, [0.0; ROW]);
+        };
+        empty(&mut self.first, slots);
+        empty(&mut self.scattering, if scattering { slots } else { 0 });
+        empty(&mut self.second, slots);
+        self.lobes.clear();
+    }
+
+    fn slots(&self) -> u32 {
+        self.first.len() as u32
+    }
+}
+
+/// The lanes of `values` as rows.
+#[inline(always)]
+fn rows_of<R: Real>(values: &[R; ROW]) -> [Row; MAX_WIDTH] {
+    let mut fields = [[0.0; MAX_WIDTH]; ROW];
+    for (field, value) in fields.iter_mut().zip(values) {
+        value.store(field);
+    }
+    array::from_fn(|lane| array::from_fn(|k| fields[k][lane]))
+}
+
+/// Writes the lanes of `mask` to the rows of their slots.
+fn write<R: Real>(table: &mut [Row], slot: R::Bits, values: &[R; ROW], mask: R::Mask) {
+    let rows = rows_of(values);
+    for lane in super::tile::lanes_of(mask.bits()) {
+        table[slot.lane(lane) as usize] = rows[lane];
+    }
+}
