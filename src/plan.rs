@@ -5,6 +5,7 @@
 //! (`benches/README.md`). A kernel specialised to a scene gives the general kernel's bits on it.
 
 mod light_paths;
+mod path_reuse;
 
 use crate::light::{FEW_EMITTERS, MANY_LIGHTS};
 use crate::scene::{Bsdf, Environment, IntegratorKind, Material, NO_NORMAL, Scene};
@@ -143,8 +144,7 @@ pub struct Plan {
     pub delta_lights: bool,
     /// Are paths traced from the lights, too? The same in the general kernel: it decides on samples.
     pub light_paths: bool,
-    /// Do the pixels of a group share what their paths find after the first bounce? The same in the general kernel: it decides on
-    /// samples.
+    /// Do pixels share what their paths find after the first bounce? The same in the general kernel: it decides on samples.
     pub path_reuse: bool,
     /// Does the camera have a lens of some size?
     pub lens: bool,
@@ -253,11 +253,8 @@ impl Plan {
             by_path && lamps > 0 && lamps <= FEW_EMITTERS && !lit && !light_paths,
             format!("{lamps} primitives emit, {FEW_EMITTERS} are few; the rest of the light counts against it"),
         );
-        let path_reuse = std::env::var("REUSE").is_ok() && decide(
-            "path reuse",
-            by_path && scene.integrator.max_bounces >= 2 && !light_paths,
-            "".to_string(),
-        );
+        let (possible, why) = path_reuse::decide(scene, used.iter().map(|&m| &scene.materials[m]), light_paths);
+        let path_reuse = decide("path reuse", possible, why);
         let radius = scene.camera.lens_radius;
         let lens = decide("lens", radius > 0.0, format!("its radius is {radius}"));
         let images = Images::of(scene, &used);
@@ -320,7 +317,7 @@ impl Plan {
     /// The same for light samples that stand alone, or beside those of materials that are not the scene's and may not reach all
     /// that they scatter.
     pub fn with_light_samples_alone(self) -> Self {
-        Plan { compensated_sky: false, last_by_lights: false, ..self }
+        Plan { compensated_sky: false, last_by_lights: false, path_reuse: false, ..self }
     }
 
     /// Is a feature kept?

@@ -133,9 +133,10 @@ fn print_difference(d: &Difference, report: &Report, args: &SceneArgs) {
     );
     let size = args.size.map_or(String::new(), |s| format!(" --size {}x{}", s.width, s.height));
     let light_paths = args.light_paths.map_or(String::new(), |l| format!(" --light-paths {}", l.name()));
+    let reuse = args.path_reuse.map_or(String::new(), |p| format!(" --path-reuse {}", p.name()));
     let roulette = args.roulette.map_or(String::new(), |r| format!(" --roulette {r}"));
     println!(
-        "  replay: octolux replay {} --bits --pixel {},{} --sample {} --seed {} --sampler {}{size}{light_paths}{roulette}",
+        "  replay: octolux replay {} --bits --pixel {},{} --sample {} --seed {} --sampler {}{size}{light_paths}{reuse}{roulette}",
         report.scene,
         d.x,
         d.y,

@@ -4,7 +4,7 @@ use super::CliError;
 use super::replay_text::describe;
 use super::scene_args::SceneArgs;
 use crate::check::record_tile;
-use crate::kernel::{Job, Record, Stage, Width};
+use crate::kernel::{Job, REUSE_SIDE, Record, Stage, Width, World};
 use crate::plan::Force;
 
 #[derive(clap::Args)]
@@ -41,10 +41,11 @@ pub fn run(args: &ReplayArgs) -> Result<bool, CliError> {
             film.width, film.height
         )));
     }
-    let job = Job { x, y, width: 1, height: 1, first_sample: args.sample, samples: 1, seed: world.seed };
+    let job = job_of(&world, x, y, args.sample);
     let recorder = record_tile(&world, &job, args.lanes, None);
+    let slot = (y - job.y) * job.width + x - job.x;
     println!("pixel {x},{y} sample {} seed {} of {}", args.sample, world.seed, args.scene.scene.display());
-    let records = recorder.records.first().map_or(&[][..], Vec::as_slice);
+    let records = recorder.records.get(slot as usize).map_or(&[][..], Vec::as_slice);
     if !args.bits {
         print!("{}", describe(records, &scene, world.unit));
         return Ok(true);
@@ -56,6 +57,14 @@ pub fn run(args: &ReplayArgs) -> Result<bool, CliError> {
         }
     }
     Ok(true)
+}
+
+/// The pixel, with those that share its paths.
+fn job_of(world: &World, x: u32, y: u32, first_sample: u32) -> Job {
+    let (film, seed) = (world.film, world.seed);
+    let side = if world.plan.path_reuse { REUSE_SIDE } else { 1 };
+    let (x, y) = (x / side * side, y / side * side);
+    Job { x, y, width: side.min(film.width - x), height: side.min(film.height - y), first_sample, samples: 1, seed }
 }
 
 /// The value and its bits; a primitive's number, not the float of the same bits.

@@ -6,7 +6,7 @@ use crate::kernel::{Prepare, Width, World};
 use crate::plan::{Force, Plan};
 use crate::render::{self, Phase, Times};
 use crate::sampling::SamplerKind;
-use crate::scene::{FilmSize, LightPaths, Roulette, Scene};
+use crate::scene::{FilmSize, LightPaths, PathReuse, Roulette, Scene};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -26,6 +26,10 @@ pub struct SceneArgs {
     /// Trace paths from the lights, too [default: as the scene says, else auto: where the plan finds that they pay]
     #[arg(long, value_enum)]
     pub light_paths: Option<LightPaths>,
+    /// Let pixels of a block share what their paths find after the first bounce: less noise, but the same within a block
+    /// [default: as the scene says, else auto: where the plan finds that they can]
+    #[arg(long, value_enum)]
+    pub path_reuse: Option<PathReuse>,
     /// Russian roulette from scattering event AFTER on, for paths that carry less than BELOW of what they started with
     /// [default: as the scene says, else 2,0.25; many renderers: 5,1]
     #[arg(long, value_name = "AFTER,BELOW")]
@@ -69,6 +73,9 @@ impl SceneArgs {
         }
         if let Some(light_paths) = self.light_paths {
             scene.integrator.light_paths = light_paths;
+        }
+        if let Some(path_reuse) = self.path_reuse {
+            scene.integrator.path_reuse = path_reuse;
         }
         if let Some(roulette) = self.roulette {
             scene.integrator.roulette = roulette;

@@ -86,6 +86,7 @@ impl StateArgs {
             posterior: options.aovs && world.plan.posterior,
             shares_points: world.integrator.shares_points(),
             light_paths: world.light_paths.is_some(),
+            path_reuse: world.plan.path_reuse,
             roulette: world.integrator.roulette.to_string(),
         };
         if let Some(path) = &self.resume {

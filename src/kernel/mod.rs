@@ -36,6 +36,7 @@ pub use path::{Traversal, mis_weight};
 pub(crate) use pattern::look_up as look_up_pattern;
 pub use probe::{Lanes, NoProbe, Probe, Record, Recorder, Stage};
 pub(crate) use shade::Shade;
+pub use reuse::REUSE_SIDE;
 pub use surface::Surface;
 pub use texture::TextureTable;
 pub(crate) use tile::CameraQueue;

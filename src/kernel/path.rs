@@ -9,6 +9,7 @@ use super::light_paths::ratio::{Arrival, reversed_pdf, weight_against};
 use super::pattern;
 use super::probe::{Lanes, Probe, Stage};
 use super::queue::Queue;
+use super::reuse;
 use super::rows::{SHADOW, pack_shadows};
 use super::shade::Shade;
 use super::surface::Surface;
@@ -110,7 +111,7 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
     let outward = -paths.ray.direction;
     let mut shared = R::Mask::splat(false);
     if world.plan.path_reuse {
-        shared = super::reuse::arrive(surface, paths, scatters, out);
+        shared = reuse::arrive(surface, paths, scatters, out);
     }
     if world.plan.shading_normals {
         surface.face(outward);
@@ -125,7 +126,7 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
         paths.table = lights.table_at(surface.at.p, n);
     }
     if world.plan.path_reuse {
-        super::reuse::keep_first(world.max_bounces, surface, paths, scatters, out);
+        reuse::keep_first(world.max_bounces, surface, paths, scatters, out);
     }
     let alone = by_lights_alone(world, paths, &surface, scatters);
     if (world.lights.is_some() || S::OWN_LIGHT) && scatters.any() {
@@ -140,7 +141,7 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
     }
     let carried = roulette(world, paths, u[ROULETTE], probe);
     if shared.any() {
-        super::reuse::leave(surface, &sample, paths, carried, shared, out);
+        reuse::leave(surface, &sample, paths, carried, shared, out);
     }
 }
 
@@ -261,7 +262,7 @@ fn sample_direct<R: Real, S: Shade, P: Probe>(
     let mut slot = paths.slot;
     let shared = shared & lit & (same_side(wi.z, wo.z) | surface.material.is_dielectric());
     if shared.any() {
-        let (of_light, of_slot) = super::reuse::keep_light(*surface, &light, paths.slot, shared, out);
+        let (of_light, of_slot) = reuse::keep_light(*surface, &light, paths.slot, shared, out);
         contribution = Vec3::select(shared, of_light, contribution);
         slot = R::Bits::select(shared, of_slot, slot);
     }

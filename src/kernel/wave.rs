@@ -7,9 +7,11 @@
 //! any width.
 
 use super::cutout;
+use super::material::ShadingKind;
 use super::path::{self, Paths, Traversal, mis_weight};
 use super::probe::{Lanes, Probe, Stage};
 use super::queue::Queue;
+use super::reuse;
 use super::rows::{CONTRIBUTION, DIRECTION, GOING, HIT, MISSED, NAME, SHADOW};
 use super::rows::{pack, pack_hit, path_ray, shadow_ray, unpack, unpack_hits};
 use super::shade::Shade;
@@ -17,6 +19,7 @@ use super::tile::{CameraQueue, Counters, Job, SampleBuffer};
 use super::world::World;
 use crate::geometry::{Hit, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3, array};
+use crate::plan::Shading;
 use core::marker::PhantomData;
 
 /// Paths of a worker on their way at once: they and what waits stay in the second cache; 128 were up to 5 % slower.
@@ -35,11 +38,8 @@ pub fn render<R: Real, T: Traversal, S: Shade, P: Probe>(
     probe: &mut P,
 ) {
     out.begin_ratios(world.light_paths.is_some());
-    let reuse = world.plan.path_reuse;
-    if reuse {
-        let general = <S::Models as super::material::ShadingKind>::SHADING == crate::plan::Shading::General;
-        out.shared.begin(job.slots(), general || world.plan.shading_normals);
-        out.rgb.resize(3 * job.slots(), [0.0; 3]);
+    if world.plan.path_reuse {
+        out.share(job.slots(), S::Models::SHADING == Shading::General || world.plan.shading_normals);
     }
     let mut camera = CameraQueue::<R>::new(world, job);
     let mut wave = Wave::<R, T, S, P>::new(world, shade, POOL, out, counters, probe);
@@ -48,8 +48,8 @@ pub fn render<R: Real, T: Traversal, S: Shade, P: Probe>(
         counters.traced(true, packet.active);
         Some(Paths::begin(packet.ray, packet.hit, packet.rng, packet.slot, packet.active))
     });
-    if reuse {
-        super::reuse::connect::<R, T, S, P>(world, job, out, counters, probe);
+    if world.plan.path_reuse {
+        reuse::connect::<R, T, S, P>(world, job, out, counters, probe);
     }
 }
 

@@ -180,6 +180,7 @@ impl World {
 
     /// The same with random numbers of a program's own. A gather, whose points belong to the scene's method, keeps its own.
     pub fn with_numbers(mut self, numbers: Arc<dyn Numbers>) -> World {
+        self.plan.path_reuse = false;
         self.numbers = (self.integrator.kind != IntegratorKind::Gather).then_some(numbers);
         self.without_light_paths()
     }

@@ -20,7 +20,7 @@ pub use state::{State, StateError};
 pub use summary::{Summary, Times};
 
 use crate::film::{Film, FilmChannels, TileFilm};
-use crate::kernel::{Counters, Job, SampleBuffer, Width, World, select, select_light};
+use crate::kernel::{Counters, Job, REUSE_SIDE, SampleBuffer, Width, World, select, select_light};
 use crate::lane::float_mode;
 use crate::process::{allowed_cores, pin_to_core, seconds_since_process_start};
 use adaptive::{AdaptiveReport, Rates};
@@ -126,7 +126,9 @@ pub fn render(world: &World, options: &Options, pool: &rayon::ThreadPool, progre
 /// A film for `world` whose first sample will be number `64 · first_block`.
 pub fn empty_film(world: &World, options: &Options, first_block: u64) -> Film {
     let channels = FilmChannels::of(options.aovs, world.plan.posterior);
-    Film::new(world.film.width, world.film.height, options.tile, channels, first_block)
+    // Pixels that share paths are in one tile.
+    let tile = if world.plan.path_reuse { options.tile.next_multiple_of(REUSE_SIDE) } else { options.tile };
+    Film::new(world.film.width, world.film.height, tile, channels, first_block)
 }
 
 /// What renders a job into a buffer that was [reset](SampleBuffer::reset) for it: one of [`select`]'s, or a program's own.

@@ -50,7 +50,8 @@ impl Pass<'_> {
     /// Renders samples of one tile, as many at a time as the cache holds; none once the user interrupts.
     fn render_tile(&self, tile: &mut TileFilm, first: u64, end: u64, splats: Option<&Splats>) -> Counters {
         let rect = tile.rect();
-        let at_once = (JOB_SLOTS / (rect.width * rect.height)).max(1) as u64;
+        let job_slots: u32 = std::env::var("OJ").ok().and_then(|x| x.parse().ok()).unwrap_or(JOB_SLOTS);
+        let at_once = (job_slots / (rect.width * rect.height)).max(1) as u64;
         let mut counters = Counters::default();
         // An interrupted pass left some tiles ahead of others.
         let mut first = first.max(tile.next_sample());

@@ -43,6 +43,9 @@ pub struct Origin {
     /// Are paths from the lights among them?
     #[serde(default)]
     pub light_paths: bool,
+    /// Do pixels share paths?
+    #[serde(default)]
+    pub path_reuse: bool,
     /// See [`Roulette`], as the command line has it; states that do not say are of a time when there was but one.
     #[serde(default = "usual_roulette")]
     pub roulette: String,
@@ -101,13 +104,15 @@ impl Origin {
         let scene = |origin: &Origin| origin.fingerprint.clone();
         let sampler = |origin: &Origin| origin.sampler.name().to_string();
         let light_paths = |origin: &Origin| if origin.light_paths { "on" } else { "off" }.to_string();
+        let path_reuse = |origin: &Origin| if origin.path_reuse { "auto" } else { "off" }.to_string();
         let roulette = |origin: &Origin| origin.roulette.clone();
-        let facts: [(_, Fact, String); 8] = [
+        let facts: [(_, Fact, String); 9] = [
             ("version of octolux", version, "go on with the one that began it".to_string()),
             ("size", size, format!("give --size {}", size(theirs))),
             ("seed", seed, format!("give --seed {}", theirs.seed)),
             ("sampler", sampler, format!("give --sampler {}", theirs.sampler.name())),
             ("way of light paths", light_paths, format!("give --light-paths {}", light_paths(theirs))),
+            ("way of path reuse", path_reuse, format!("give --path-reuse {}", path_reuse(theirs))),
             ("roulette", roulette, format!("give --roulette {}", theirs.roulette)),
             ("set of channels", aovs, "give --aovs to all or to none".to_string()),
             ("scene", scene, "it goes on only with the scene, meshes and images as they were".to_string()),

@@ -1,6 +1,6 @@
 //! A number for what a scene says: equal for equal content, wherever its files are.
 
-use super::{Environment, EnvironmentImage, Integrator, LightPaths, Mesh, Roulette, Scene, Texels};
+use super::{Environment, EnvironmentImage, Integrator, LightPaths, Mesh, PathReuse, Roulette, Scene, Texels};
 use crate::film::checksum::Checksum;
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -26,7 +26,8 @@ impl Scene {
             materials,
         } = self;
         // How the image is found changes its noise and not what it shows; states say it themselves.
-        let integrator = Integrator { light_paths: LightPaths::Auto, roulette: Roulette::default(), ..*integrator };
+        let (light_paths, path_reuse, roulette) = (LightPaths::Auto, PathReuse::Auto, Roulette::default());
+        let integrator = Integrator { light_paths, path_reuse, roulette, ..*integrator };
         // Writing into a checksum cannot fail.
         let _ = write!(sum, "{camera:?}{film:?}{integrator:?}{spheres:?}{materials:?}{delta_lights:?}");
         match environment {

@@ -13,6 +13,7 @@ mod fingerprint;
 mod gather;
 mod image_file;
 mod light_paths;
+mod path_reuse;
 mod load;
 mod materials;
 mod mesh_file;
@@ -38,6 +39,7 @@ pub use builder::SceneBuilder;
 pub use error::SceneError;
 pub use gather::{Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherShrinkage, GatherWeights};
 pub use light_paths::LightPaths;
+pub use path_reuse::PathReuse;
 pub use load::load;
 pub use roulette::Roulette;
 pub use texture::{Channel, FileName, Image, Maps, Texels, Texture};
@@ -107,6 +109,8 @@ pub struct Integrator {
     pub ambient: [f32; 3],
     /// `path`: are paths traced from the lights, too?
     pub light_paths: LightPaths,
+    /// `path`: do pixels share what their paths find?
+    pub path_reuse: PathReuse,
     /// `path`: when paths may end by chance.
     pub roulette: Roulette,
     /// Read for `gather` alone.
@@ -123,6 +127,7 @@ impl Default for Integrator {
             max_depth: 5.0,
             ambient: [0.0; 3],
             light_paths: LightPaths::default(),
+            path_reuse: PathReuse::default(),
             roulette: Roulette::default(),
             gather: Gather::default(),
         }

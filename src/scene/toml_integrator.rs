@@ -6,7 +6,7 @@ use super::gather::{MOST_DIRECTIONS, MOST_SETS};
 use super::toml_text::{Colour, TomlText};
 use super::{
     Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherShrinkage, GatherWeights, Integrator,
-    IntegratorKind, LightPaths, Roulette,
+    IntegratorKind, LightPaths, PathReuse, Roulette,
 };
 use crate::estimate::bmc::{Covariance, Points};
 use serde::Deserialize;
@@ -34,6 +34,7 @@ pub(super) struct IntegratorTable {
     shrinkage: Word,
     lights: Word,
     light_paths: Word,
+    path_reuse: Word,
     roulette_after: Option<Spanned<i64>>,
     roulette_below: Option<Spanned<f64>>,
 }
@@ -62,6 +63,7 @@ const WEIGHTS: [(&str, GatherWeights); 2] = [("per-hit", GatherWeights::PerHit),
 const SHRINKAGES: [(&str, GatherShrinkage); 2] = [("pilot", GatherShrinkage::Pilot), ("none", GatherShrinkage::None)];
 const LIGHT_PATHS: [(&str, LightPaths); 3] =
     [("auto", LightPaths::Auto), ("on", LightPaths::On), ("off", LightPaths::Off)];
+const PATH_REUSE: [(&str, PathReuse); 2] = [("auto", PathReuse::Auto), ("off", PathReuse::Off)];
 const LIGHTS: [(&str, GatherLights); 2] = [("seen", GatherLights::Seen), ("sampled", GatherLights::Sampled)];
 
 /// A length-scale or smoothness where the scene gives none.
@@ -86,6 +88,8 @@ pub(super) fn integrator(table: Option<&IntegratorTable>, text: &TomlText) -> Re
     }
     integrator.light_paths =
         choice("way of `light_paths`", &table.light_paths, &LIGHT_PATHS, integrator.light_paths, text)?;
+    integrator.path_reuse =
+        choice("way of `path_reuse`", &table.path_reuse, &PATH_REUSE, integrator.path_reuse, text)?;
     integrator.roulette = roulette(table, text)?;
     integrator.gather = gather(table, text)?;
     Ok(integrator)

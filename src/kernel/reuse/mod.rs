@@ -23,7 +23,7 @@ mod connect;
 mod group;
 mod vertex;
 
-pub use group::connect;
+pub use group::{REUSE_SIDE, connect};
 pub(super) use vertex::{arrive, keep_first, keep_light, leave};
 
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real, array};
