@@ -20,6 +20,11 @@ impl Vertex<'_> {
     fn rgb(&self, stage: Stage) -> Option<[f32; 3]> {
         self.values(stage).first_chunk().copied()
     }
+    /// What becomes of the light it met.
+    fn fate(&self, stage: Stage) -> &'static str {
+        let for_all = self.0.iter().any(|record| record.stage == stage && record.for_all);
+        if for_all { "finds for all pixels of the block" } else { "adds" }
+    }
     fn primitive(&self) -> Option<u32> {
         self.0.iter().find(|record| record.stage == Stage::HitPrimitive).map(|record| record.bits)
     }
@@ -30,22 +35,25 @@ pub fn describe(records: &[Record], scene: &Scene, unit: f32) -> String {
     let mut text = String::new();
     let mut beta = [1.0f32; 3];
     let mut total = [0.0f32; 3];
-    let mut recorded = None;
-    for records in records.chunk_by(|a, b| a.bounce == b.bounce) {
+    let of_the_sample = records.iter().position(|r| matches!(r.stage, Stage::Shared | Stage::Radiance));
+    let (of_vertices, of_the_sample) = records.split_at(of_the_sample.unwrap_or(records.len()));
+    for records in of_vertices.chunk_by(|a, b| a.bounce == b.bounce) {
         let vertex = Vertex(records);
         // Writing into a String cannot fail.
         let _ = writeln!(text, "vertex {}  {}", records[0].bounce, place(&vertex, scene, unit));
         let before = vertex.0.iter().position(|r| r.stage == Stage::LightContribution);
         if let Some(light) = vertex.rgb(Stage::Emission) {
-            add(&mut total, light);
-            let _ = writeln!(text, "  emission   adds {}", colour(light));
+            let fate = vertex.fate(Stage::Emission);
+            add_own(&mut total, light, fate);
+            let _ = writeln!(text, "  emission   {fate} {}", colour(light));
         }
         if let Some(pdf) = vertex.one(Stage::LightPdf) {
             let _ = write!(text, "  light      pdf {pdf:.6}");
             let _ = match (before.and(vertex.rgb(Stage::LightContribution)), vertex.one(Stage::Shadow)) {
                 (Some(light), Some(0.0)) => {
-                    add(&mut total, light);
-                    writeln!(text, ", visible, adds {}", colour(light))
+                    let fate = vertex.fate(Stage::LightContribution);
+                    add_own(&mut total, light, fate);
+                    writeln!(text, ", visible, {fate} {}", colour(light))
                 }
                 (Some(light), Some(_)) => writeln!(text, ", in shadow, would have added {}", colour(light)),
                 _ => writeln!(text, ", carries nothing here"),
@@ -60,9 +68,13 @@ pub fn describe(records: &[Record], scene: &Scene, unit: f32) -> String {
             beta = beta.map(|b| b / survival);
             let _ = writeln!(text, "  roulette   survives with probability {survival:.6}");
         }
-        recorded = vertex.rgb(Stage::Radiance).or(recorded);
     }
-    let _ = match recorded {
+    let sample = Vertex(of_the_sample);
+    if let Some(shared) = sample.rgb(Stage::Shared) {
+        add(&mut total, shared);
+        let _ = writeln!(text, "shared     adds {}: what the paths of its block found", colour(shared));
+    }
+    let _ = match sample.rgb(Stage::Radiance) {
         Some(radiance) => writeln!(text, "radiance   {} (sum of what was added: {})", colour(radiance), colour(total)),
         None => writeln!(text, "this integrator follows no light"),
     };
@@ -95,6 +107,12 @@ fn place(vertex: &Vertex, scene: &Scene, unit: f32) -> String {
 
 fn add(total: &mut [f32; 3], light: [f32; 3]) {
     total.iter_mut().zip(light).for_each(|(sum, value)| *sum += value);
+}
+
+fn add_own(total: &mut [f32; 3], light: [f32; 3], fate: &str) {
+    if fate == "adds" {
+        add(total, light);
+    }
 }
 
 fn colour([r, g, b]: [f32; 3]) -> String {

@@ -98,7 +98,7 @@ impl StateArgs {
         let head = Head {
             origin,
             scene: scene.name.clone(),
-            tile: options.tile,
+            tile: film.tile_side(),
             samples: 0,
             stopped_by: StoppedBy::Samples,
             render_seconds: 0.0,

@@ -132,7 +132,20 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
     if (world.lights.is_some() || S::OWN_LIGHT) && scatters.any() {
         let arrival = arrival.as_ref();
         let competing = scatters & !alone;
-        sample_direct(world, shade, paths, &surface, &frame, wo, &u, [scatters, competing, shared], arrival, shadows, out, probe);
+        sample_direct(
+            world,
+            shade,
+            paths,
+            &surface,
+            &frame,
+            wo,
+            &u,
+            [scatters, competing, shared],
+            arrival,
+            shadows,
+            out,
+            probe,
+        );
     }
     let sample = scatter(world, shade, paths, &surface, &frame, wo, &u, scatters & !alone, probe);
     if let Some(arrival) = arrival.filter(|_| paths.alive.any()) {

@@ -35,13 +35,15 @@ pub enum Stage {
     BsdfWeight,
     /// Probability to survive.
     Roulette,
+    /// What paths of other pixels, and its own beyond its second vertex, find for it.
+    Shared,
     /// What a path found in all.
     Radiance,
 }
 
 impl Stage {
     /// In the order of a path.
-    pub const ALL: [Stage; 13] = [
+    pub const ALL: [Stage; 14] = [
         Stage::Random,
         Stage::HitT,
         Stage::HitPrimitive,
@@ -54,6 +56,7 @@ impl Stage {
         Stage::BsdfPdf,
         Stage::BsdfWeight,
         Stage::Roulette,
+        Stage::Shared,
         Stage::Radiance,
     ];
 
@@ -72,6 +75,7 @@ impl Stage {
             Stage::BsdfPdf => "bsdf-pdf",
             Stage::BsdfWeight => "bsdf-weight",
             Stage::Roulette => "roulette",
+            Stage::Shared => "shared",
             Stage::Radiance => "radiance",
         }
     }
@@ -135,6 +139,8 @@ pub struct Record {
     pub lane: u32,
     /// Of the f32.
     pub bits: u32,
+    /// Is it of what the path finds for all pixels that [share](super::reuse)?
+    pub for_all: bool,
 }
 
 /// Keeps what passes, per sample slot and in the order of the path.
@@ -175,8 +181,10 @@ impl Probe for Recorder {
                 bits = disturbed(stage, bits);
                 value.set_lane(lane, f32::from_bits(bits));
             }
-            let count = self.records.len();
-            self.records[slot as usize % count].push(Record { bounce, stage, lane: lane as u32, bits });
+            // What is shared has slots of its own behind those of the samples.
+            let (count, slot) = (self.records.len(), slot as usize);
+            let for_all = slot >= count;
+            self.records[slot % count].push(Record { bounce, stage, lane: lane as u32, bits, for_all });
         }
         value
     }

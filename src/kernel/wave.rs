@@ -321,6 +321,10 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
 
     /// Shows the probe what paths found that have ended and of which no shadow ray is out.
     fn tap_ends(&mut self) {
+        if self.world.plan.path_reuse {
+            // Its own path is not all that a sample will have found.
+            return self.ended.clear();
+        }
         for (slot, bounce) in self.ended.drain(..) {
             let lanes = Lanes::<f32> { slot: Bits::splat(slot), bounce, active: true };
             let rgb = &mut self.out.rgb[slot as usize];

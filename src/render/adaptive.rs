@@ -80,6 +80,7 @@ pub(super) struct Rates {
     pub seconds_per_sample: f64,
     mean: f64,
     variance: f64,
+    correlation: f64,
 }
 
 impl Rates {
@@ -124,6 +125,7 @@ impl Rates {
             seconds_per_sample: pilot.seconds / pilot.samples as f64,
             mean,
             variance,
+            correlation: pilot.correlation(),
         }
     }
 
@@ -145,7 +147,7 @@ impl Rates {
             most: film.tiles().iter().map(|tile| tile.samples()).max().unwrap_or(0),
             mean: film.mean_samples(),
             bias: (mean - self.mean) * scale,
-            bias_half_width: 1.96 * (variance + self.variance).sqrt() * scale.abs(),
+            bias_half_width: 1.96 * (variance * self.correlation + self.variance).sqrt() * scale.abs(),
         }
     }
 }

@@ -12,6 +12,9 @@ use std::cell::RefCell;
 /// Samples a worker renders before it hands them to the film: their slots (12 bytes each) stay in the L2 cache.
 const JOB_SLOTS: u32 = 16_384;
 
+/// Where paths are shared a slot has up to 228 bytes.
+const SHARING_JOB_SLOTS: u32 = 4096;
+
 /// Rounds over the film.
 pub(super) struct Pass<'a> {
     pub world: &'a World,
@@ -50,7 +53,7 @@ impl Pass<'_> {
     /// Renders samples of one tile, as many at a time as the cache holds; none once the user interrupts.
     fn render_tile(&self, tile: &mut TileFilm, first: u64, end: u64, splats: Option<&Splats>) -> Counters {
         let rect = tile.rect();
-        let job_slots: u32 = std::env::var("OJ").ok().and_then(|x| x.parse().ok()).unwrap_or(JOB_SLOTS);
+        let job_slots = if self.world.plan.path_reuse { SHARING_JOB_SLOTS } else { JOB_SLOTS };
         let at_once = (job_slots / (rect.width * rect.height)).max(1) as u64;
         let mut counters = Counters::default();
         // An interrupted pass left some tiles ahead of others.

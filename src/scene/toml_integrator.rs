@@ -88,8 +88,7 @@ pub(super) fn integrator(table: Option<&IntegratorTable>, text: &TomlText) -> Re
     }
     integrator.light_paths =
         choice("way of `light_paths`", &table.light_paths, &LIGHT_PATHS, integrator.light_paths, text)?;
-    integrator.path_reuse =
-        choice("way of `path_reuse`", &table.path_reuse, &PATH_REUSE, integrator.path_reuse, text)?;
+    integrator.path_reuse = choice("way of `path_reuse`", &table.path_reuse, &PATH_REUSE, integrator.path_reuse, text)?;
     integrator.roulette = roulette(table, text)?;
     integrator.gather = gather(table, text)?;
     Ok(integrator)

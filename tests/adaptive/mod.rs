@@ -8,7 +8,7 @@ use crate::stats;
 use octolux::kernel::{Counters, Job, SampleBuffer, Width, World};
 use octolux::render::thread_pool;
 use octolux::sampling::{SamplerKind, sample_key};
-use octolux::scene::{Bsdf, Camera, Scene, SceneBuilder};
+use octolux::scene::{Bsdf, Camera, PathReuse, Scene, SceneBuilder};
 use std::sync::Mutex;
 
 const SIDE: u32 = 32;
@@ -19,7 +19,9 @@ fn frame() -> Scene {
     let clay = scene.material(Bsdf::Diffuse { reflectance: [0.5; 3] });
     scene.sphere([0.0, 1.0, 0.0], 1.0, clay);
     scene.environment([1.0; 3]);
-    scene.build().expect("a ball under a sky")
+    let mut scene = scene.build().expect("a ball under a sky");
+    scene.integrator.path_reuse = PathReuse::Off;
+    scene
 }
 
 /// A kernel whose sample is a function of the column and a number in [0, 1) of its own.

@@ -117,5 +117,6 @@ fn where_the_plan_keeps_it() {
     let own = renderer.render_with(&scene, &Own::new()).unwrap();
     let mut world = renders::sampled(&scene, 34, Force::default(), SamplerKind::Sobol);
     world.reach = None;
+    world.plan.path_reuse = false;
     crate::equivalence::assert_same("own", &own, &renders::film(&world, 4));
 }

@@ -11,7 +11,7 @@ pub struct ImageMean {
 }
 
 /// Means of the channels. Their standard errors come from the samples' variance within each pixel, so that pixels may
-/// differ in what they expect.
+/// differ in what they expect. (Where pixels share paths their errors go together, and the true standard errors are larger.)
 pub fn image_mean(film: &Film) -> [ImageMean; 3] {
     let pixels = f64::from(film.width()) * f64::from(film.height());
     let (mut mean, mut variance) = ([0.0; 3], [0.0; 3]);

@@ -4,6 +4,7 @@ use super::{ROW, Row, Shared, VALID};
 use crate::geometry::{Ray, SurfacePoint, shadow_ray};
 use crate::kernel::material::MaterialAt;
 use crate::kernel::path::{Traversal, mis_weight};
+use crate::kernel::probe::{Lanes, Probe, Stage};
 use crate::kernel::queue::Queue;
 use crate::kernel::shade::Shade;
 use crate::kernel::surface::{LEAST_FACING, softening};
@@ -91,7 +92,13 @@ impl<R: Real> Group<R> {
     }
 
     /// Adds to each pixel what it would have scattered of all finds.
-    pub fn connect<T: Traversal, S: Shade>(&mut self, world: &World, out: &mut SampleBuffer, counters: &mut Counters) {
+    pub fn connect<T: Traversal, S: Shade, P: Probe>(
+        &mut self,
+        world: &World,
+        out: &mut SampleBuffer,
+        counters: &mut Counters,
+        probe: &mut P,
+    ) {
         if self.first.is_empty() || self.finds.is_empty() {
             return;
         }
@@ -108,7 +115,7 @@ impl<R: Real> Group<R> {
             let scale = if sum > 0.0 { sum.recip() } else { 0.0 };
             find.found = find.found.map(|x| x * scale);
         }
-        self.scatter(stride, out);
+        self.scatter(stride, out, probe);
     }
 
     /// Fills the tables.
@@ -153,7 +160,7 @@ impl<R: Real> Group<R> {
     }
 
     /// Sums over the finds.
-    fn scatter(&self, stride: usize, out: &mut SampleBuffer) {
+    fn scatter<P: Probe>(&self, stride: usize, out: &mut SampleBuffer, probe: &mut P) {
         for first in (0..self.first.len()).step_by(R::WIDTH) {
             let (mut plain, mut sum) = (Vec3::<R>::zero(), Vec3::<R>::zero());
             for (k, find) in self.finds.iter().enumerate() {
@@ -167,7 +174,9 @@ impl<R: Real> Group<R> {
             }
             let [x, y, z] = self.first.fields(12, first);
             let sum = sum + plain.hadamard(Vec3::new(x, y, z));
-            out.add(self.first.field(ROW, first).to_bits(), sum, self.first.rows(first));
+            let (slot, active) = (self.first.field(ROW, first).to_bits(), self.first.rows(first));
+            let sum = probe.tap_rgb(Stage::Shared, Lanes { slot, bounce: R::zero(), active }, sum);
+            out.add(slot, sum, active);
         }
     }
 }

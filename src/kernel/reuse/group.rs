@@ -8,7 +8,6 @@ use crate::kernel::shade::Shade;
 use crate::kernel::tile::{Counters, Job, SampleBuffer};
 use crate::kernel::world::World;
 use crate::lane::{Bits, Real, Vec3};
-use crate::plan::GeometryMode;
 use crate::sampling::sample_key;
 
 /// Side of the blocks of pixels that share. Of 4, 16 and blocks of 16 by 4 none was better on all scenes; pixels further
@@ -16,9 +15,9 @@ use crate::sampling::sample_key;
 pub const REUSE_SIDE: u32 = 8;
 const PIXELS: usize = (REUSE_SIDE * REUSE_SIDE) as usize;
 
-/// So many finds of a group at Lambert vertices are shared, about: where segments are cheap, and through a tree. Measured.
-const MOST_FINDS: f32 = 24.0;
-const MOST_FINDS_IN_TREE: f32 = 12.0;
+/// So many finds of a group at Lambert vertices are shared, about. Measured: where segments are cheap 32 are as good, through
+/// a tree 8 to 16.
+const MOST_FINDS: f32 = 20.0;
 
 /// Gives every pixel of a job its part of what the paths of its group found: blocks of pixels, at the same sample.
 #[inline(never)]
@@ -29,8 +28,6 @@ pub fn connect<R: Real, T: Traversal, S: Shade, P: Probe>(
     counters: &mut Counters,
     probe: &mut P,
 ) {
-    let most = if world.plan.geometry == GeometryMode::Brute { MOST_FINDS } else { MOST_FINDS_IN_TREE };
-    let most = super::group::tune("OM", most as u32) as f32;
     let mut group = Group::<R>::new(PIXELS);
     let mut slots = Vec::with_capacity(PIXELS);
     let (right, bottom) = (job.x + job.width, job.y + job.height);
@@ -38,7 +35,8 @@ pub fn connect<R: Real, T: Traversal, S: Shade, P: Probe>(
     for y in (start(job.y)..bottom as usize).step_by(REUSE_SIDE as usize) {
         for x in (start(job.x)..right as usize).step_by(REUSE_SIDE as usize) {
             let (x, y) = (x as u32, y as u32);
-            let (columns, rows) = (x.max(job.x)..(x + REUSE_SIDE).min(right), y.max(job.y)..(y + REUSE_SIDE).min(bottom));
+            let (columns, rows) =
+                (x.max(job.x)..(x + REUSE_SIDE).min(right), y.max(job.y)..(y + REUSE_SIDE).min(bottom));
             let pixel = rows.start * world.film.width + columns.start;
             for sample in 0..job.samples {
                 let slot = |x: u32, y: u32| ((y - job.y) * job.width + x - job.x) * job.samples + sample;
@@ -46,8 +44,8 @@ pub fn connect<R: Real, T: Traversal, S: Shade, P: Probe>(
                 slots.extend(rows.clone().flat_map(|y| columns.clone().map(move |x| slot(x, y))));
                 let key = sample_key(job.seed ^ SALT, pixel, job.first_sample + sample);
                 group.begin(&slots, &out.shared);
-                choose(&mut group, &slots, &out.shared, &out.rgb, most, key);
-                group.connect::<T, S>(world, out, counters);
+                choose(&mut group, &slots, &out.shared, &out.rgb, key);
+                group.connect::<T, S, P>(world, out, counters, probe);
             }
         }
     }
@@ -63,15 +61,15 @@ pub fn connect<R: Real, T: Traversal, S: Shade, P: Probe>(
 /// Tells the keys of choices from those of paths.
 const SALT: u64 = 0x7265_7573_655f_6b65;
 
-/// Chooses whose finds are shared: about `most` of those at Lambert vertices, each with a probability in proportion to its
+/// Chooses whose finds are shared: about [`MOST_FINDS`] of those at Lambert vertices, each with a probability in proportion to its
 /// radiance, by one number for all (systematic sampling), and carrying the more. The others are few.
-fn choose<R: Real>(group: &mut Group<R>, slots: &[u32], shared: &Shared, rgb: &[[f32; 3]], most: f32, key: u64) {
+fn choose<R: Real>(group: &mut Group<R>, slots: &[u32], shared: &Shared, rgb: &[[f32; 3]], key: u64) {
     let count = shared.slots() as usize;
     let radiance = |slot: u32| rgb[count + slot as usize];
     let brightness = |[r, g, b]: [f32; 3]| r + g + b;
     let lambert = |slot: u32| shared.second[slot as usize][Second::KIND] == Second::LAMBERT;
     let total: f32 = slots.iter().filter(|&&slot| lambert(slot)).map(|&slot| brightness(radiance(slot))).sum();
-    let scale = most / total;
+    let scale = MOST_FINDS / total;
     let mut walk = (key >> 40) as f32 * (1.0 / (1u32 << 24) as f32);
     for &slot in slots {
         let second = &shared.second[slot as usize];
@@ -97,8 +95,4 @@ fn choose<R: Real>(group: &mut Group<R>, slots: &[u32], shared: &Shared, rgb: &[
             _ => {}
         }
     }
-}
-
-pub fn tune(name: &str, default: u32) -> u32 {
-    std::env::var(name).ok().and_then(|x| x.parse().ok()).unwrap_or(default)
 }

@@ -28,9 +28,7 @@ pub fn keep_first<R: Real>(
     let side = R::one().copysign(surface.ng.dot(wo));
     let (p, ng, ns) = (surface.at.p, surface.ng * side, surface.ns * side);
     let (left, a) = (surface.leave(ng), albedo);
-    let row = [
-        p.x, p.y, p.z, left.x, left.y, left.z, ng.x, ng.y, ng.z, ns.x, ns.y, ns.z, a.x, a.y, a.z, R::one(),
-    ];
+    let row = [p.x, p.y, p.z, left.x, left.y, left.z, ng.x, ng.y, ng.z, ns.x, ns.y, ns.z, a.x, a.y, a.z, R::one()];
     write(&mut out.shared.first, paths.slot, &row, first);
     if !out.shared.scattering.is_empty() {
         write(&mut out.shared.scattering, paths.slot, &directed(wo, R::zero(), &surface), first);
@@ -54,7 +52,12 @@ fn lanes_where<R: Real>(slot: R::Bits, mask: R::Mask, is: impl Fn(usize) -> bool
 /// everybody's where the surface is a second vertex and Lambert, or a third, beyond a lobe that was [kept](leave). Returns
 /// the lanes at second vertices that are not Lambert.
 #[inline(never)]
-pub fn arrive<R: Real>(surface: Surface<R>, paths: &mut Paths<R>, scatters: R::Mask, out: &mut SampleBuffer) -> R::Mask {
+pub fn arrive<R: Real>(
+    surface: Surface<R>,
+    paths: &mut Paths<R>,
+    scatters: R::Mask,
+    out: &mut SampleBuffer,
+) -> R::Mask {
     let (one, none) = (R::one(), R::Mask::splat(false));
     let third = scatters & paths.bounce.eq(one + one);
     if third.any() && !out.shared.lobes.is_empty() {
@@ -89,8 +92,7 @@ pub fn arrive<R: Real>(surface: Surface<R>, paths: &mut Paths<R>, scatters: R::M
 fn share_third<R: Real>(paths: &mut Paths<R>, third: R::Mask, out: &SampleBuffer) {
     let slots = out.shared.slots() as usize;
     let second = &out.shared.second;
-    let third =
-        lanes_where::<R>(paths.slot, third, |slot| slot < slots && second[slot][Second::BOUNCE] != 0.0);
+    let third = lanes_where::<R>(paths.slot, third, |slot| slot < slots && second[slot][Second::BOUNCE] != 0.0);
     for lane in lanes_of(third.bits()) {
         let slot = paths.slot.lane(lane);
         let carried = second[slot as usize][Second::CARRIED];
