@@ -20,6 +20,7 @@ mod own;
 mod references;
 mod renders;
 mod report;
+mod reuse;
 mod sampling;
 mod scene_files;
 mod textures;

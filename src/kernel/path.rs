@@ -279,7 +279,8 @@ fn sample_direct<R: Real, S: Shade, P: Probe>(
         contribution = Vec3::select(shared, of_light, contribution);
         slot = R::Bits::select(shared, of_slot, slot);
     }
-    let contribution = probe.tap_rgb(Stage::LightContribution, paths.lanes(lit), contribution);
+    let lanes = Lanes { slot, ..paths.lanes(lit) };
+    let contribution = probe.tap_rgb(Stage::LightContribution, lanes, contribution);
     let carries = lit & contribution.max_component().gt(R::zero());
     if carries.any() {
         shadows.push(carries, &pack_shadows(&light_ray(surface, &light), contribution, slot, paths.bounce));

@@ -1,0 +1,189 @@
+//! Path reuse: the same means as paths of each pixel's own, less noise, and nothing where it cannot be.
+
+use crate::equivalence::{assert_same, scenes};
+use crate::renders::{self, How, Set};
+use crate::stats::{self, Moments};
+use octolux::kernel::Width;
+use octolux::plan::{Force, Plan};
+use octolux::render::thread_pool;
+use octolux::scene::{
+    self, Bsdf, ConductorFresnel, DeltaLight, Environment, FilmSize, IntegratorKind, LightPaths, Masking, PathReuse,
+    Roulette, Scene,
+};
+use std::path::Path;
+
+fn without(mut scene: Scene) -> Scene {
+    scene.integrator.path_reuse = PathReuse::Off;
+    scene
+}
+
+/// Does the plan share paths?
+fn shares(scene: &Scene) -> bool {
+    Plan::new(scene, Force::default(), false).path_reuse
+}
+
+fn scenes_that_share() -> Vec<(&'static str, Scene)> {
+    let scenes = [
+        ("everything", scenes::everything()),
+        ("lambert room", scenes::lambert_room()),
+        ("spheres under a sky", scenes::spheres_under_a_sky()),
+        ("stage lights", scenes::stage_lights(true)),
+        ("crumpled ball", scenes::crumpled_ball(true)),
+        ("metal floor", metal_floor()),
+    ];
+    assert!(scenes.iter().all(|(_, scene)| shares(scene)), "nothing would be tested");
+    scenes.into()
+}
+
+/// Rough metal and Phong seen directly and by reflection, a screen that hides much of each from the other, a point light.
+fn metal_floor() -> Scene {
+    let mut set = Set::new([0.0, 1.2, 4.0], [0.0, 0.6, 0.0], 45.0, scenes::SIDE).bounces(4);
+    let fresnel = ConductorFresnel::Schlick { f0: [0.9, 0.8, 0.6] };
+    let metal = set.material(Bsdf::Conductor { alpha: 0.3, masking: Masking::Correlated, fresnel }, [0.0; 3]);
+    let wood = Bsdf::Phong { diffuse: [0.4, 0.3, 0.2], specular: [0.3; 3], exponent: 20.0 };
+    let wood = set.material(wood, [0.0; 3]);
+    let clay = set.material(Bsdf::Diffuse { reflectance: [0.7, 0.6, 0.5] }, [0.0; 3]);
+    set.quad(metal, [[-3.0, 0.0, 3.0], [3.0, 0.0, 3.0], [3.0, 0.0, -3.0], [-3.0, 0.0, -3.0]]);
+    set.quad(clay, [[-3.0, 0.0, -1.5], [3.0, 0.0, -1.5], [3.0, 3.0, -1.5], [-3.0, 3.0, -1.5]]);
+    set.quad(wood, [[-1.0, 0.2, 0.0], [0.2, 0.2, 0.4], [0.2, 1.0, 0.4], [-1.0, 1.0, 0.0]]);
+    set.sphere(wood, [0.8, 0.4, 0.3], 0.4);
+    let mut scene = set.finish();
+    scene.environment = Some(Environment::Constant([0.2, 0.3, 0.4]));
+    scene.delta_lights.push(DeltaLight::Point { position: [1.5, 2.0, 1.5], intensity: [6.0, 5.0, 4.0] });
+    scene
+}
+
+/// Blocks along each side of the image.
+const BLOCKS: u32 = 4;
+const SEEDS: u64 = 1500;
+
+/// Mean of each block of pixels and channel, over seeds.
+fn block_means(scene: &Scene, first_seed: u64) -> Vec<Moments> {
+    let mut world = renders::world(scene, 0);
+    let side = scene.film.width / BLOCKS;
+    let mut moments = vec![Moments::new(); (3 * BLOCKS * BLOCKS) as usize];
+    for seed in first_seed..first_seed + SEEDS {
+        world.seed = seed;
+        let film = renders::film(&world, 4);
+        for (k, moments) in moments.iter_mut().enumerate() {
+            let (block, channel) = (k as u32 / 3, k % 3);
+            let (bx, by) = (block % BLOCKS * side, block / BLOCKS * side);
+            let pixels = (by..by + side).flat_map(|y| (bx..bx + side).map(move |x| (x, y)));
+            moments.push(pixels.map(|(x, y)| film.mean(x, y)[channel]).sum::<f64>() / f64::from(side * side));
+        }
+    }
+    moments
+}
+
+/// The spread over seeds knows of errors that go together.
+#[test]
+fn the_means_are_those_of_own_paths() {
+    let scenes = scenes_that_share();
+    let bound = stats::z_bound(scenes.len() * (3 * BLOCKS * BLOCKS) as usize);
+    for (name, scene) in scenes {
+        let (shared, own) = (block_means(&scene, 1), block_means(&without(scene), 1_000_000));
+        let mut seen = 0.0f64;
+        for (k, (a, b)) in shared.iter().zip(&own).enumerate() {
+            let error = a.std_error().hypot(b.std_error());
+            seen = seen.max(bound * error / b.mean);
+            let off = a.mean - b.mean;
+            assert!(
+                off.abs() <= bound * error,
+                "{name}, block {}, channel {}: {} for {}, {:.1} standard errors",
+                k / 3,
+                k % 3,
+                a.mean,
+                b.mean,
+                off / error
+            );
+        }
+        println!("{name}: a bias of {seen:.1e} of a block would be seen");
+    }
+}
+
+/// A pixel alone shares with nobody: sample for sample it has what its own paths find, to rounding, if these do not end by
+/// chance (which goes by what paths carry, and shared ones carry less of their first surface).
+#[test]
+fn a_pixel_alone_has_its_own_paths() {
+    for (name, scene) in scenes_that_share() {
+        for (k, at) in [[0.0, 0.3, 0.9], [-0.7, 0.3, 0.6], [0.6, 0.1, 1.5], [0.1, 0.0, 2.0], [-0.4, 0.6, 0.2]]
+            .into_iter()
+            .enumerate()
+        {
+            let mut scene = scene.clone();
+            scene.film = FilmSize { width: 1, height: 1 };
+            scene.camera.look_at = at;
+            scene.camera.vfov = 4.0;
+            scene.integrator.roulette = Roulette { after: 2, below: 0.0 };
+            let (shared, own) = (
+                renders::film(&renders::world(&scene, 7), 512),
+                renders::film(&renders::world(&without(scene), 7), 512),
+            );
+            for c in 0..3 {
+                let (a, b) = (shared.mean(0, 0)[c], own.mean(0, 0)[c]);
+                assert!((a - b).abs() <= 2e-5 * b.abs(), "{name}, place {k}, channel {c}: {a} for {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn there_is_less_noise() {
+    let relative_variance = |scene: &Scene| {
+        let film = renders::film(&renders::world(scene, 5), 64);
+        let pixels = (0..scene.film.height).flat_map(|y| (0..scene.film.width).map(move |x| (x, y)));
+        let relative = |(x, y)| {
+            let variance = film.variance_of_mean(x, y).expect("samples");
+            film.mean(x, y)
+                .into_iter()
+                .zip(variance)
+                .map(|(mean, variance)| variance / (mean * mean + 0.01))
+                .sum::<f64>()
+        };
+        pixels.map(relative).sum::<f64>()
+    };
+    let mut cornell = scene::load(Path::new("scenes/cornell/scene.toml")).expect("a scene of the project");
+    cornell.film = FilmSize { width: 64, height: 64 };
+    for (name, scene, most) in [("lambert room", scenes::lambert_room(), 0.6), ("cornell", cornell, 0.2)] {
+        let (shared, own) = (relative_variance(&scene), relative_variance(&without(scene)));
+        println!("{name}: {:.3} of the variance", shared / own);
+        assert!(shared <= most * own, "{name}: {shared} for {own}");
+    }
+}
+
+/// Films whose sides are no multiples of a block's, or less.
+#[test]
+fn blocks_at_the_rim_leave_no_trace_of_lanes_and_tiles() {
+    let pool = thread_pool(2).expect("threads");
+    for (name, scene) in scenes_that_share() {
+        for (width, height) in [(13, 11), (3, 9), (8, 1)] {
+            let mut scene = scene.clone();
+            scene.film = FilmSize { width, height };
+            let world = renders::world(&scene, 3);
+            let film = |width, tile| renders::film_on(&pool, &world, 6, How { width, tile });
+            let expected = film(Width::One, 16);
+            for (width, tile) in [(Width::One, 3), (Width::Eight, 16), (Width::Sixteen, 8), (Width::Sixteen, 40)] {
+                assert_same(&format!("{name}, {} lanes, tile {tile}", width.lanes()), &film(width, tile), &expected);
+            }
+        }
+    }
+}
+
+#[test]
+fn where_it_cannot_be_the_plan_leaves_it_out() {
+    let with = |change: fn(&mut Scene)| {
+        let mut scene = scenes::lambert_room();
+        change(&mut scene);
+        shares(&scene)
+    };
+    assert!(with(|_| {}));
+    assert!(!with(|scene| scene.integrator.path_reuse = PathReuse::Off));
+    assert!(!with(|scene| scene.integrator.max_bounces = 1));
+    assert!(!with(|scene| scene.integrator.roulette.after = 1));
+    assert!(!with(|scene| scene.integrator.light_paths = LightPaths::On));
+    assert!(!with(|scene| scene.integrator.kind = IntegratorKind::Direct));
+    assert!(!shares(&scenes::images()), "a cut-out is in it");
+    // The general kernel decides alike.
+    let room = scenes::lambert_room();
+    assert!(Plan::new(&room, Force { general: true, geometry: None }, false).path_reuse);
+}
