@@ -134,15 +134,21 @@ impl<R: Real> MaterialAt<R> {
         self.is(KIND_DIFFUSE)
     }
 
+    /// Lanes of glass and the like.
+    #[inline(always)]
     pub fn is_dielectric(&self) -> R::Mask {
         self.is(KIND_DIELECTRIC)
     }
 
-    pub fn to_row(&self) -> [R; 10] {
+    /// All but the emission; see [`MaterialAt::from_row`].
+    #[inline(always)]
+    pub fn row(&self) -> [R; 10] {
         let (a, b) = (self.a, self.b);
         [self.kind, a.x, a.y, a.z, b.x, b.y, b.z, self.alpha, R::one().masked(self.separable), self.c]
     }
 
+    /// Emits nothing.
+    #[inline(always)]
     pub fn from_row(row: [R; 10]) -> Self {
         let [kind, ax, ay, az, bx, by, bz, alpha, separable, c] = row;
         MaterialAt {

@@ -21,6 +21,8 @@
 
 mod connect;
 mod group;
+mod pairs;
+mod segments;
 mod vertex;
 
 pub use group::{REUSE_SIDE, connect};

@@ -37,7 +37,7 @@ pub fn keep_first<R: Real>(
 
 /// A direction, a number and a material.
 fn directed<R: Real>(w: Vec3<R>, x: R, surface: &Surface<R>) -> [R; ROW] {
-    let [kind, ax, ay, az, bx, by, bz, alpha, separable, c] = surface.material.to_row();
+    let [kind, ax, ay, az, bx, by, bz, alpha, separable, c] = surface.material.row();
     let zero = R::zero();
     [w.x, w.y, w.z, x, kind, ax, ay, az, bx, by, bz, alpha, separable, c, zero, zero]
 }
