@@ -64,7 +64,7 @@ def count(binary, scene, side, samples):
         out, image, report = folder / "callgrind.out", folder / "image.exr", folder / "report.json"
         run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", binary, "render", ROOT / "scenes" / scene,
              "-o", image, "--size", f"{side}x{side}", "--spp", samples, "--threads", 1, "--lanes", 8, "--seed", 1,
-             "--sampler", "independent", "--quiet", "--json", report])
+             "--sampler", "independent", "--path-reuse", "off", "--quiet", "--json", report])
         lines = run(["callgrind_annotate", "--inclusive=yes", "--threshold=100", "--show-percs=no", out]).splitlines()
         report = json.loads(report.read_text())
     kernel = traversal = 0

@@ -117,8 +117,8 @@ def paths(args, scene):
         return None
     ours, theirs = [], []
     for _ in range(args.rounds):
-        ours.append(json.loads(run([args.octolux, "bench", scene, "--roulette", "5,1", "--threads", 2, "--windows", 3,
-                                    "--json", "-"])))
+        ours.append(json.loads(run([args.octolux, "bench", scene, "--roulette", "5,1", "--path-reuse", "off", "--threads", 2,
+                                    "--windows", 3, "--json", "-"])))
         peer = pathlib.Path(__file__).with_name("peer_mitsuba.py")
         theirs.append(json.loads(run([sys.executable, peer, scene, "--windows", 3, "--threads", 2])))
     return {"scene": str(scene), "octolux": ours, "mitsuba": theirs}

@@ -157,7 +157,7 @@ def by_cpu(args, path, program, binary):
     image = args.scratch / "cpu.exr"
 
     def ours(spp):
-        return user_seconds([args.octolux, "render", path, "-o", image, "--roulette", "5,1", "--threads", 1, "--lanes", 16, "--quiet",
+        return user_seconds([args.octolux, "render", path, "-o", image, "--roulette", "5,1", "--path-reuse", "off", "--threads", 1, "--lanes", 16, "--quiet",
                              "--spp", spp])
 
     def theirs(spp, bounce, shadow):
@@ -221,7 +221,7 @@ def compare(args, name, program):
     check = None if args.no_means else means(args, path, setting, program, binary)
     rounds = []
     for _ in range(args.rounds):
-        ours = json.loads(run([args.octolux, "bench", path, "--roulette", "5,1", "--threads", 2, "--lanes", 16, "--windows", 3,
+        ours = json.loads(run([args.octolux, "bench", path, "--roulette", "5,1", "--path-reuse", "off", "--threads", 2, "--lanes", 16, "--windows", 3,
                                "--json", "-"]))
         theirs = peer(program, binary, setting, spp=spp, windows=3)
         rounds.append((ours["settings"][0]["mpaths_per_s"], theirs["mpaths_per_s"]))
