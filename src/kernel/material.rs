@@ -47,15 +47,8 @@ impl MaterialTable {
     #[inline(always)]
     pub fn fetch<R: Real>(&self, index: R::Bits, valid: R::Mask) -> MaterialAt<R> {
         let [kind, ax, ay, az, ex, ey, ez, bx, by, bz, alpha, separable, c, ..] = self.rows.fetch::<R>(index, valid);
-        MaterialAt {
-            kind,
-            a: Vec3::new(ax, ay, az),
-            b: Vec3::new(bx, by, bz),
-            alpha,
-            separable: separable.gt(R::zero()),
-            c,
-            emission: Vec3::new(ex, ey, ez),
-        }
+        let material = MaterialAt::from_row([kind, ax, ay, az, bx, by, bz, alpha, separable, c]);
+        MaterialAt { emission: Vec3::new(ex, ey, ez), ..material }
     }
 }
 

@@ -270,12 +270,12 @@ fn sample_direct<R: Real, S: Shade, P: Probe>(
     if world.plan.shading_normals {
         weight = weight * surface.terminator(light.wi, wi.z, wo.z);
     }
-    let contribution = paths.beta.hadamard(eval.value).hadamard(light.radiance) * weight;
-    let mut contribution = contribution;
+    let mut contribution = paths.beta.hadamard(eval.value).hadamard(light.radiance) * weight;
     let mut slot = paths.slot;
     let shared = shared & lit & (same_side(wi.z, wo.z) | surface.material.is_dielectric());
     if shared.any() {
-        let (of_light, of_slot) = reuse::keep_light(*surface, &light, paths.slot, shared, out);
+        let (of_light, of_slot) =
+            reuse::keep_light(*surface, &light, eval.value * (weight * pdf), paths.slot, shared, out);
         contribution = Vec3::select(shared, of_light, contribution);
         slot = R::Bits::select(shared, of_slot, slot);
     }

@@ -139,7 +139,7 @@ pub struct Record {
     pub lane: u32,
     /// Of the f32.
     pub bits: u32,
-    /// Is it of what the path finds for all pixels that [share](super::reuse)?
+    /// Is it of what the path finds for all pixels that share paths with its own?
     pub for_all: bool,
 }
 

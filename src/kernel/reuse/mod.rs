@@ -45,7 +45,8 @@ pub struct Shared {
     scattering: Vec<Row>,
     /// Second vertices: position and its error, normals on the viewer's side, [what](Second) they are.
     second: Vec<Row>,
-    /// A BSDF and a direction at a second vertex that is not Lambert.
+    /// A direction at a second vertex that is not Lambert, density of a light sample, BSDF, and [what it scatters](FACTOR)
+    /// of what comes from there.
     lobes: Vec<Row>,
 }
 
@@ -66,7 +67,11 @@ impl Second {
     const LOBES: f32 = 2.0;
 }
 
-/// Where in a first vertex its validity is.
+/// Where in a lobe it is how much it scatters to the path's own first vertex, about: by that finds are chosen.
+const FACTOR: usize = 14;
+
+/// Where in a first vertex its albedo is, and its validity.
+const ALBEDO: usize = 12;
 const VALID: usize = 15;
 
 impl Shared {

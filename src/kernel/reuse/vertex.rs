@@ -31,15 +31,14 @@ pub fn keep_first<R: Real>(
     let row = [p.x, p.y, p.z, left.x, left.y, left.z, ng.x, ng.y, ng.z, ns.x, ns.y, ns.z, a.x, a.y, a.z, R::one()];
     write(&mut out.shared.first, paths.slot, &row, first);
     if !out.shared.scattering.is_empty() {
-        write(&mut out.shared.scattering, paths.slot, &directed(wo, R::zero(), &surface), first);
+        write(&mut out.shared.scattering, paths.slot, &directed(wo, R::zero(), &surface, R::zero()), first);
     }
 }
 
-/// A direction, a number and a material.
-fn directed<R: Real>(w: Vec3<R>, x: R, surface: &Surface<R>) -> [R; ROW] {
+/// A direction, a number, a material, and another number.
+fn directed<R: Real>(w: Vec3<R>, x: R, surface: &Surface<R>, factor: R) -> [R; ROW] {
     let [kind, ax, ay, az, bx, by, bz, alpha, separable, c] = surface.material.row();
-    let zero = R::zero();
-    [w.x, w.y, w.z, x, kind, ax, ay, az, bx, by, bz, alpha, separable, c, zero, zero]
+    [w.x, w.y, w.z, x, kind, ax, ay, az, bx, by, bz, alpha, separable, c, factor, R::zero()]
 }
 
 /// Lanes of `mask` for whose slot `is` holds.
@@ -102,18 +101,19 @@ fn share_third<R: Real>(paths: &mut Paths<R>, third: R::Mask, out: &SampleBuffer
 }
 
 /// Keeps light samples at second vertices that are not Lambert: returns what arrives there by each of them, over the
-/// density of the sample, and the slots that it goes to.
+/// density of the sample, and the slots that it goes to. `scattered` of it would be the path's own.
 #[inline(never)]
 pub fn keep_light<R: Real>(
     surface: Surface<R>,
     light: &LightSample<R>,
+    scattered: Vec3<R>,
     slot: R::Bits,
     shared: R::Mask,
     out: &mut SampleBuffer,
 ) -> (Vec3<R>, R::Bits) {
     // Nothing else finds a light without extent.
     let pdf = R::select(light.is_delta(), R::splat(f32::INFINITY), light.pdf);
-    keep_lobe(&directed(light.wi, pdf, &surface), slot, shared, Second::LIGHT, out);
+    keep_lobe(&directed(light.wi, pdf, &surface, factor(scattered)), slot, shared, Second::LIGHT, out);
     (light.radiance * light.pdf.recip(), slot + R::Bits::splat(out.shared.slots()))
 }
 
@@ -132,10 +132,21 @@ pub fn leave<R: Real>(
     if shared.none() {
         return;
     }
-    keep_lobe(&directed(paths.ray.direction, R::zero(), &surface), paths.slot, shared, Second::BOUNCE, out);
+    keep_lobe(
+        &directed(paths.ray.direction, R::zero(), &surface, factor(sample.weight)),
+        paths.slot,
+        shared,
+        Second::BOUNCE,
+        out,
+    );
     for lane in lanes_of(shared.bits()) {
         out.shared.second[paths.slot.lane(lane) as usize][Second::CARRIED] = carried.lane(lane);
     }
+}
+
+/// Never 0: others may see more of the lobe.
+fn factor<R: Real>(scattered: Vec3<R>) -> R {
+    (scattered.x + scattered.y + scattered.z) * R::splat(1.0 / 3.0) + R::splat(0.05)
 }
 
 fn keep_lobe<R: Real>(values: &[R; ROW], slot: R::Bits, shared: R::Mask, place: usize, out: &mut SampleBuffer) {
