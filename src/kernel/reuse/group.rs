@@ -133,6 +133,7 @@ fn number_of_finds(slots: &[u32], shared: &Shared, rgb: &[[f32; 3]], candidates:
     let variance = |sum: f32, squares: f32| (squares - sum * sum / n.max(1.0)).max(0.0);
     let worth = |of: fn(f32) -> f32| candidates.iter().map(|candidate| of(candidate.worth)).sum::<f32>();
     let (found, own) = (variance(worth(|x| x), worth(|x| x * x)), variance(sum, squares));
-    // Nothing but finds may be there: then own is 0, or rounding.
-    (BALANCE * (found / own).sqrt()).max(LEAST_FINDS).min(MOST_FINDS)
+    let balanced = BALANCE * (found / own).sqrt();
+    // Not a number where neither varies.
+    if balanced > LEAST_FINDS { balanced.min(MOST_FINDS) } else { LEAST_FINDS }
 }
