@@ -16,9 +16,9 @@ pub const REUSE_SIDE: u32 = 8;
 const PIXELS: usize = (REUSE_SIDE * REUSE_SIDE) as usize;
 
 /// So many finds of a group are shared, about: see [`number_of_finds`]. Measured.
-const LEAST_FINDS: f32 = 2.0;
-const MOST_FINDS: f32 = 24.0;
-const BALANCE: f32 = 30.0;
+const LEAST_FINDS: f64 = 2.0;
+const MOST_FINDS: f64 = 24.0;
+const BALANCE: f64 = 30.0;
 
 /// Gives every pixel of a job its part of what the paths of its group found: blocks of pixels, at the same sample.
 #[inline(never)]
@@ -67,31 +67,32 @@ struct Candidate {
     slot: u32,
     lobe: Option<(usize, bool)>,
     found: [f32; 3],
-    worth: f32,
+    /// In f64, like all that is made of it: squares of light stay in range.
+    worth: f64,
 }
 
 /// Chooses what is shared: each find with a probability in proportion to its worth, by one number for all (systematic sampling),
 /// and carrying the more.
 fn choose<R: Real>(group: &mut Group<R>, slots: &[u32], shared: &Shared, rgb: &[[f32; 3]], key: u64) {
     let candidates = candidates(slots, shared, rgb);
-    let total: f32 = candidates.iter().map(|candidate| candidate.worth).sum();
+    let total: f64 = candidates.iter().map(|candidate| candidate.worth).sum();
     let number = number_of_finds(slots, shared, rgb, &candidates);
     // Where no choice is needed all are shared as they are.
-    let scale = if candidates.len() as f32 <= number { f32::INFINITY } else { number / total };
-    let mut walk = (key >> 40) as f32 * (1.0 / (1u32 << 24) as f32);
+    let scale = if candidates.len() as f64 <= number { f64::INFINITY } else { number / total };
+    let mut walk = (key >> 40) as f64 * (1.0 / (1u32 << 24) as f64);
     for Candidate { slot, lobe, found, worth } in candidates {
         let probability = (worth * scale).min(1.0);
         walk += probability;
         if walk >= 1.0 {
             walk -= 1.0;
-            let share = probability.recip();
+            let share = probability.recip() as f32;
             group.add(slot, lobe, found.map(|x| x * share));
         }
     }
 }
 
-fn brightness([r, g, b]: [f32; 3]) -> f32 {
-    (r + g + b) * (1.0 / 3.0)
+fn brightness([r, g, b]: [f32; 3]) -> f64 {
+    (f64::from(r) + f64::from(g) + f64::from(b)) * (1.0 / 3.0)
 }
 
 /// All finds that hold anything.
@@ -103,7 +104,7 @@ fn candidates(slots: &[u32], shared: &Shared, rgb: &[[f32; 3]]) -> Vec<Candidate
         let albedo = brightness(array::from_fn(|c| shared.first[slot as usize][ALBEDO + c]));
         let mut add = |part: usize, lobe: Option<(usize, bool)>| {
             let found = rgb[part * count + slot as usize];
-            let factor = lobe.map_or(1.0, |(lobe, _)| shared.lobes[lobe][FACTOR]);
+            let factor = lobe.map_or(1.0, |(lobe, _)| f64::from(shared.lobes[lobe][FACTOR]));
             let worth = brightness(found) * albedo * factor;
             if worth > 0.0 {
                 candidates.push(Candidate { slot, lobe, found, worth });
@@ -124,14 +125,14 @@ fn candidates(slots: &[u32], shared: &Shared, rgb: &[[f32; 3]]) -> Vec<Candidate
 /// As many as balance the noise of finds with that of all else, at least [`LEAST_FINDS`]: n of them cost c n beside a path's a and
 /// leave v/n beside the variance u of what is not shared, so √(a v / c u). Both variances are those among the group's pixels
 /// now; a/c is measured, and so is how much less u is where even points add up.
-fn number_of_finds(slots: &[u32], shared: &Shared, rgb: &[[f32; 3]], candidates: &[Candidate]) -> f32 {
-    let (mut n, mut sum, mut squares) = (0.0f32, 0.0f32, 0.0f32);
+fn number_of_finds(slots: &[u32], shared: &Shared, rgb: &[[f32; 3]], candidates: &[Candidate]) -> f64 {
+    let (mut n, mut sum, mut squares) = (0.0f64, 0.0f64, 0.0f64);
     for &slot in slots.iter().filter(|&&slot| shared.first[slot as usize][VALID] != 0.0) {
         let own = brightness(rgb[slot as usize]);
         (n, sum, squares) = (n + 1.0, sum + own, squares + own * own);
     }
-    let variance = |sum: f32, squares: f32| (squares - sum * sum / n.max(1.0)).max(0.0);
-    let worth = |of: fn(f32) -> f32| candidates.iter().map(|candidate| of(candidate.worth)).sum::<f32>();
+    let variance = |sum: f64, squares: f64| (squares - sum * sum / n.max(1.0)).max(0.0);
+    let worth = |of: fn(f64) -> f64| candidates.iter().map(|candidate| of(candidate.worth)).sum::<f64>();
     let (found, own) = (variance(worth(|x| x), worth(|x| x * x)), variance(sum, squares));
     let balanced = BALANCE * (found / own).sqrt();
     // Not a number where neither varies.
