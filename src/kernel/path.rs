@@ -147,14 +147,14 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
             probe,
         );
     }
-    let sample = scatter(world, shade, paths, &surface, &frame, wo, &u, scatters & !alone, probe);
+    let (sample, carried) = scatter(world, shade, paths, &surface, &frame, wo, &u, [scatters & !alone, shared], probe);
     if let Some(arrival) = arrival.filter(|_| paths.alive.any()) {
         let back = reversed_pdf(world, shade, paths.hit, surface, [wo, sample.wi], paths.alive & !sample.delta);
         arrival.leave(surface, sample, [wo.z, back], *paths, out);
     }
-    let carried = roulette(world, paths, u[ROULETTE], probe);
+    let factor = roulette(world, paths, carried, u[ROULETTE], probe);
     if shared.any() {
-        reuse::leave(surface, &sample, paths, carried, shared, out);
+        reuse::leave(surface, &sample, paths, factor, shared, out);
     }
 }
 
@@ -299,7 +299,9 @@ pub(crate) fn light_ray<R: Real>(surface: &Surface<R>, light: &LightSample<R>) -
     }
 }
 
-/// Samples the material and sends the path on, or ends it.
+/// Samples the material and sends the path on, or ends it. Returns the sample, and what decides on the path's end: what it
+/// carries, or where it goes on for all pixels that share it, what it would if it began at this vertex. (What is left of it by
+/// the first vertex of its own pixel says nothing of what others see of it: may be nothing.)
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
 fn scatter<R: Real, S: Shade, P: Probe>(
@@ -310,9 +312,9 @@ fn scatter<R: Real, S: Shade, P: Probe>(
     frame: &Frame<R>,
     wo: Vec3<R>,
     u: &[R; BOUNCE],
-    scatters: R::Mask,
+    [scatters, shared]: [R::Mask; 2],
     probe: &mut P,
-) -> Sample<R> {
+) -> (Sample<R>, Vec3<R>) {
     let numbers = [u[BSDF_LOBE], u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]];
     let sample = shade.sample(world, &paths.hit, surface, wo, numbers, scatters);
     let direction = frame.to_world(sample.wi);
@@ -328,18 +330,20 @@ fn scatter<R: Real, S: Shade, P: Probe>(
     paths.beta = paths.beta.hadamard(weight);
     paths.bsdf_pdf = R::select(sample.delta, R::splat(f32::INFINITY), pdf);
     paths.eta_squared = paths.eta_squared * sample.eta * sample.eta;
-    paths.alive = goes_on & paths.beta.max_component().gt(R::zero());
+    let carried = Vec3::select(shared & !sample.delta, weight, paths.beta);
+    paths.alive = goes_on & carried.max_component().gt(R::zero());
     paths.ray = surface.ray_towards(direction);
-    sample
+    (sample, carried)
 }
 
-/// Russian roulette as the scene has it ([`Roulette`](crate::scene::Roulette)), by max β·η².
+/// Russian roulette as the scene has it ([`Roulette`](crate::scene::Roulette)), by the largest channel of what is carried,
+/// times η². Returns what it multiplied the paths by that go on.
 ///
 /// With the cap alone, also above what the scene calls little, β would grow by 1/0.95 an event in a white room: almost every
 /// path ends early, few carry nearly everything, and the variance has no bound (`check --numerics`, white cavity, prints what that gives).
 #[inline(always)]
-fn roulette<R: Real, P: Probe>(world: &World, paths: &mut Paths<R>, u: R, probe: &mut P) -> R {
-    let carried = paths.beta.max_component() * paths.eta_squared;
+fn roulette<R: Real, P: Probe>(world: &World, paths: &mut Paths<R>, carried: Vec3<R>, u: R, probe: &mut P) -> R {
+    let carried = carried.max_component() * paths.eta_squared;
     let Some((plays, survival)) = world.roulette.survival(paths.bounce + R::one(), carried, paths.alive) else {
         return R::one();
     };

@@ -5,7 +5,7 @@
 use crate::equivalence::{assert_same, scenes};
 use crate::renders::{self, adaptive, adaptive_on};
 use crate::stats;
-use octolux::kernel::{Counters, Job, SampleBuffer, Width, World};
+use octolux::kernel::{Counters, Job, REUSE_SIDE, SampleBuffer, Width, World};
 use octolux::render::thread_pool;
 use octolux::sampling::{SamplerKind, sample_key};
 use octolux::scene::{Bsdf, Camera, PathReuse, Scene, SceneBuilder};
@@ -143,6 +143,31 @@ fn the_bias_that_is_reported_is_one() {
         (found.bias - 0.1).abs() <= 1.5 * found.bias_half_width && found.bias > 2.0 * found.bias_half_width,
         "{found:?}"
     );
+}
+
+/// Blocks of pixels whose errors are one: the interval of the bias knows.
+#[test]
+fn the_interval_of_the_bias_holds_where_pixels_share_their_errors() {
+    const SEEDS: u64 = 60;
+    let blocks = |_: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
+        let mut slots = out.rgb.iter_mut();
+        for (y, x) in (job.y..job.y + job.height).flat_map(|y| (job.x..job.x + job.width).map(move |x| (y, x))) {
+            for (sample, rgb) in (job.first_sample..job.first_sample + job.samples).zip(&mut slots) {
+                let key = sample_key(job.seed, y / REUSE_SIDE * SIDE + x / REUSE_SIDE, sample);
+                *rgb = [2.0 * (key >> 40) as f32 / (1u32 << 24) as f32; 3];
+                counters.camera_rays += 1;
+            }
+        }
+    };
+    let mut world = renders::world(&frame(), 0);
+    let holds = (1..=SEEDS).filter(|&seed| {
+        world.seed = seed;
+        let report = adaptive(&world, 64, Width::native(), Some(&blocks)).adaptive.expect("a pilot");
+        report.bias.abs() <= report.bias_half_width
+    });
+    let share = holds.count() as f64 / SEEDS as f64;
+    println!("{share:.2} of the intervals of 95 % hold");
+    assert!(share > 0.8, "{share:.2} of the intervals hold");
 }
 
 #[test]

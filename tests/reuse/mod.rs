@@ -30,6 +30,7 @@ fn scenes_that_share() -> Vec<(&'static str, Scene)> {
         ("stage lights", scenes::stage_lights(true)),
         ("crumpled ball", scenes::crumpled_ball(true)),
         ("metal floor", metal_floor()),
+        ("red and white under green", red_and_white_under_green()),
     ];
     assert!(scenes.iter().all(|(_, scene)| shares(scene)), "nothing would be tested");
     scenes.into()
@@ -51,6 +52,24 @@ fn metal_floor() -> Scene {
     scene.environment = Some(Environment::Constant([0.2, 0.3, 0.4]));
     scene.delta_lights.push(DeltaLight::Point { position: [1.5, 2.0, 1.5], intensity: [6.0, 5.0, 4.0] });
     scene
+}
+
+/// What comes by way of a red stripe and the green metal above is black, by way of a white stripe it is not: neighbours share
+/// what they cannot see themselves.
+fn red_and_white_under_green() -> Scene {
+    let mut set = Set::new([0.0, 2.0, 4.0], [0.0, 0.0, 0.0], 40.0, scenes::SIDE).bounces(4);
+    let red = set.material(Bsdf::Diffuse { reflectance: [0.9, 0.0, 0.0] }, [0.0; 3]);
+    let white = set.grey(0.8, 0.0);
+    let fresnel = ConductorFresnel::Constant { reflectance: [0.0, 0.9, 0.0] };
+    let green = set.material(Bsdf::Conductor { alpha: 0.5, masking: Masking::Correlated, fresnel }, [0.0; 3]);
+    for i in 0..10 {
+        let (left, right) = (-2.0 + 0.4 * f64::from(i), -1.6 + 0.4 * f64::from(i));
+        let stripe = if i % 2 == 0 { red } else { white };
+        set.quad(stripe, [[left, 0.0, 2.0], [right, 0.0, 2.0], [right, 0.0, -2.0], [left, 0.0, -2.0]]);
+    }
+    set.quad(green, [[-2.0, 2.5, -2.0], [2.0, 2.5, -2.0], [2.0, 2.5, 1.0], [-2.0, 2.5, 1.0]]);
+    let light = DeltaLight::Point { position: [0.0, 1.5, 0.0], intensity: [5.0; 3] };
+    set.light(light).finish()
 }
 
 /// Blocks along each side of the image.
@@ -125,6 +144,23 @@ fn a_pixel_alone_has_its_own_paths() {
             }
         }
     }
+}
+
+/// A metal wall just above a floor of which only what it sees at less than a degree is lit: whether it sees that must not be
+/// a matter of rounding.
+#[test]
+fn what_is_seen_at_a_low_angle_is_not_lost() {
+    let mut set = Set::new([0.0, 0.5, 2.0], [0.0, 0.02, 0.0], 0.05, 1).bounces(2);
+    let fresnel = ConductorFresnel::Constant { reflectance: [0.9; 3] };
+    let metal = set.material(Bsdf::Conductor { alpha: 0.8, masking: Masking::Correlated, fresnel }, [0.0; 3]);
+    let clay = set.grey(0.7, 0.0);
+    set.quad(metal, [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]]);
+    set.quad(clay, [[-9.0, 0.0, 9.0], [9.0, 0.0, 9.0], [9.0, 0.0, 0.0], [-9.0, 0.0, 0.0]]);
+    let (position, direction) = ([0.0, 3.0, 5.0], [0.0, -1.0, 0.0]);
+    let scene = set.light(DeltaLight::Spot { position, direction, intensity: [9.0; 3], angle: 30.0 }).finish();
+    let mean = |scene: &Scene| renders::film(&renders::world(scene, 11), 1 << 16).mean(0, 0)[0];
+    let (shared, own) = (mean(&scene), mean(&without(scene.clone())));
+    assert!(shares(&scene) && own > 0.0 && (shared - own).abs() <= 2e-5 * own, "{shared} for {own}");
 }
 
 #[test]

@@ -83,9 +83,10 @@ impl<R: Real> First<R> {
         let (way, squared, seen, valid) = self.way(second, valid);
         let length = squared.sqrt();
         let w = way * length.recip();
-        // Where its shading normal would be turned to the first vertex, it is no shared one.
-        let faces = -second.ns.dot(w);
-        let valid = valid & faces.ge((seen / length).min_or(R::splat(LEAST_FACING))) & self.ns.dot(w).gt(R::zero());
+        // Where its shading normal would be turned to the first vertex, it is no shared one. (Of the way as it is, so that
+        // equal normals give equal numbers.)
+        let faces = -second.ns.dot(way);
+        let valid = valid & faces.ge(seen.min_or(length * R::splat(LEAST_FACING))) & self.ns.dot(w).gt(R::zero());
         let frame = Frame::from_normal(self.ns);
         let wi = frame.to_local(w);
         let wo = frame.to_local(Vec3::new(scattering[0], scattering[1], scattering[2]));
