@@ -20,10 +20,9 @@ impl Vertex<'_> {
     fn rgb(&self, stage: Stage) -> Option<[f32; 3]> {
         self.values(stage).first_chunk().copied()
     }
-    /// What becomes of the light it met.
-    fn fate(&self, stage: Stage) -> &'static str {
-        let for_all = self.0.iter().any(|record| record.stage == stage && record.for_all);
-        if for_all { "finds for all pixels of the block" } else { "adds" }
+    /// Is what it met for all pixels that share the path, and not for its own alone?
+    fn is_shared(&self, stage: Stage) -> bool {
+        self.0.iter().any(|record| record.stage == stage && record.for_all)
     }
     fn primitive(&self) -> Option<u32> {
         self.0.iter().find(|record| record.stage == Stage::HitPrimitive).map(|record| record.bits)
@@ -43,17 +42,15 @@ pub fn describe(records: &[Record], scene: &Scene, unit: f32) -> String {
         let _ = writeln!(text, "vertex {}  {}", records[0].bounce, place(&vertex, scene, unit));
         let before = vertex.0.iter().position(|r| r.stage == Stage::LightContribution);
         if let Some(light) = vertex.rgb(Stage::Emission) {
-            let fate = vertex.fate(Stage::Emission);
-            add_own(&mut total, light, fate);
-            let _ = writeln!(text, "  emission   {fate} {}", colour(light));
+            let gain = gain(&mut total, light, vertex.is_shared(Stage::Emission));
+            let _ = writeln!(text, "  emission   {gain}");
         }
         if let Some(pdf) = vertex.one(Stage::LightPdf) {
             let _ = write!(text, "  light      pdf {pdf:.6}");
             let _ = match (before.and(vertex.rgb(Stage::LightContribution)), vertex.one(Stage::Shadow)) {
                 (Some(light), Some(0.0)) => {
-                    let fate = vertex.fate(Stage::LightContribution);
-                    add_own(&mut total, light, fate);
-                    writeln!(text, ", visible, {fate} {}", colour(light))
+                    let gain = gain(&mut total, light, vertex.is_shared(Stage::LightContribution));
+                    writeln!(text, ", visible, {gain}")
                 }
                 (Some(light), Some(_)) => writeln!(text, ", in shadow, would have added {}", colour(light)),
                 _ => writeln!(text, ", carries nothing here"),
@@ -109,10 +106,13 @@ fn add(total: &mut [f32; 3], light: [f32; 3]) {
     total.iter_mut().zip(light).for_each(|(sum, value)| *sum += value);
 }
 
-fn add_own(total: &mut [f32; 3], light: [f32; 3], fate: &str) {
-    if fate == "adds" {
-        add(total, light);
+/// Says what becomes of light, and adds it to the sample's if it is its own.
+fn gain(total: &mut [f32; 3], light: [f32; 3], shared: bool) -> String {
+    if shared {
+        return format!("finds for all pixels of the block {}", colour(light));
     }
+    add(total, light);
+    format!("adds {}", colour(light))
 }
 
 fn colour([r, g, b]: [f32; 3]) -> String {

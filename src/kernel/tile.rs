@@ -63,11 +63,11 @@ impl SampleBuffer {
         self.light_ratio.resize(if wanted { self.rgb.len() } else { 0 }, 0.0);
     }
 
-    /// Room for what the paths of a job [share](super::reuse): beside the slots of samples as many for what they find after
-    /// second vertices that are Lambert, and after third ones. `scattering` where materials are more than an albedo.
+    /// Room for what the paths of a job [share](super::reuse): beside the slots of samples as many for what they find at
+    /// second vertices, and where `scattering` is more than an albedo, for what is beyond their lobes.
     pub(super) fn share(&mut self, slots: usize, scattering: bool) {
         self.shared.begin(slots, scattering);
-        self.rgb.resize(3 * slots, [0.0; 3]);
+        self.rgb.resize(if scattering { 3 * slots } else { 2 * slots }, [0.0; 3]);
     }
 
     /// Adds to the slots of `mask`.

@@ -80,7 +80,6 @@ pub(super) struct Rates {
     pub seconds_per_sample: f64,
     mean: f64,
     variance: f64,
-    correlation: f64,
 }
 
 impl Rates {
@@ -125,7 +124,6 @@ impl Rates {
             seconds_per_sample: pilot.seconds / pilot.samples as f64,
             mean,
             variance,
-            correlation: pilot.correlation(),
         }
     }
 
@@ -137,7 +135,9 @@ impl Rates {
 
     /// Of the finished film.
     pub fn report(&self, film: &Film) -> AdaptiveReport {
-        let (mean, variance) = mean_of_film(film);
+        let mean = mean_of_film(film);
+        // Of the pilot, and of the film as if its samples were the pilot's: even points, and dividing them, make it less.
+        let variance = self.variance * (1.0 + self.samples as f64 / film.mean_samples());
         // Nothing to compare where the image is black.
         let scale = if self.mean == 0.0 { 0.0 } else { 1.0 / self.mean };
         AdaptiveReport {
@@ -147,7 +147,7 @@ impl Rates {
             most: film.tiles().iter().map(|tile| tile.samples()).max().unwrap_or(0),
             mean: film.mean_samples(),
             bias: (mean - self.mean) * scale,
-            bias_half_width: 1.96 * (variance * self.correlation + self.variance).sqrt() * scale.abs(),
+            bias_half_width: 1.96 * variance.sqrt() * scale.abs(),
         }
     }
 }
@@ -158,22 +158,12 @@ fn replicate_samples(budget: u64) -> Option<u64> {
     (most > 0).then(|| 1 << most.ilog2())
 }
 
-/// Mean over pixels and channels, and its variance.
-fn mean_of_film(film: &Film) -> (f64, f64) {
-    let rows: Vec<[f64; 2]> = (0..film.height())
-        .into_par_iter()
-        .map(|y| {
-            (0..film.width()).fold([0.0; 2], |[mean, variance], x| {
-                let pixel = film.pixel(x, y);
-                let spread: f64 = pixel.variance_of_mean().map_or(0.0, |v| v.iter().sum());
-                // Channels of a pixel come of the same paths: as if they were one.
-                [mean + pixel.mean().iter().sum::<f64>(), variance + 3.0 * spread]
-            })
-        })
-        .collect();
-    let [mean, variance] = rows.iter().fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+/// Over pixels and channels.
+fn mean_of_film(film: &Film) -> f64 {
+    let row = |y| (0..film.width()).map(|x| film.mean(x, y).iter().sum::<f64>()).sum::<f64>();
+    let rows: Vec<f64> = (0..film.height()).into_par_iter().map(row).collect();
     let values = (3 * film.width() as u64 * film.height() as u64).max(1) as f64;
-    (mean / values, variance / (values * values))
+    rows.iter().sum::<f64>() / values
 }
 
 /// Share of the weights' variance that is theirs and not the pilot's: 2r/(1 + r), r the correlation between the weights

@@ -34,8 +34,6 @@ struct Square {
     /// Sums over pixels and channels: of the mean of all replicates, and of its variance.
     mean: f64,
     variance: f64,
-    /// The same if pixels were independent of each other.
-    variance_apart: f64,
     counters: Counters,
 }
 
@@ -62,14 +60,6 @@ impl Pilot {
     /// √(error of a pixel / rays of a sample) of a tile: by all replicates, and by each half of them.
     pub fn weights(&self, tile: Rect) -> [f64; 3] {
         self.square(tile).weights(tile)
-    }
-
-    /// Variance of the mean as the replicates' means of blocks of pixels spread, over what it would be if no pixel's error
-    /// went with its neighbours'; at least 1.
-    pub fn correlation(&self) -> f64 {
-        let sum = |of: fn(&Square) -> f64| self.squares.iter().map(of).sum::<f64>();
-        let (together, apart) = (sum(|square| square.variance), sum(|square| square.variance_apart));
-        if apart > 0.0 { (together / apart).max(1.0) } else { 1.0 }
     }
 
     /// Mean over pixels and channels, and its variance.
@@ -104,48 +94,40 @@ impl Square {
                 }
             });
         }
-        let mut square = Square {
-            rect,
-            error: Vec::with_capacity(means.len()),
-            mean: 0.0,
-            variance: 0.0,
-            variance_apart: 0.0,
-            counters,
-        };
+        let mut square = Square { rect, error: Vec::with_capacity(means.len()), mean: 0.0, variance: 0.0, counters };
         means.iter().for_each(|replicates| square.add(replicates));
         square.add_blocks(&means);
         square
     }
 
-    /// Adds the variance of the sum of each block of pixels that may share paths.
+    /// Adds the variance of the sum of each block of pixels that may share paths, whose errors may be one, as those of channels.
     fn add_blocks(&mut self, means: &[[[f64; 3]; REPLICATES as usize]]) {
         let side = REUSE_SIDE as usize;
         let (width, height) = (self.rect.width as usize, self.rect.height as usize);
         for (y, x) in (0..height).step_by(side).flat_map(|y| (0..width).step_by(side).map(move |x| (y, x))) {
-            let mut sums = [[0.0; 3]; REPLICATES as usize];
+            let mut sums = [0.0; REPLICATES as usize];
             for row in y..(y + side).min(height) {
                 for replicates in &means[row * width + x..row * width + (x + side).min(width)] {
                     for (sum, mean) in sums.iter_mut().zip(replicates) {
-                        sum[0] += mean.iter().sum::<f64>();
+                        *sum += mean.iter().sum::<f64>();
                     }
                 }
             }
-            self.variance += mean_and_variance(&sums, 0)[1] / f64::from(REPLICATES);
+            self.variance += mean_and_variance(&sums)[1] / f64::from(REPLICATES);
         }
     }
 
     /// The next pixel.
     fn add(&mut self, replicates: &[[f64; 3]; REPLICATES as usize]) {
-        let (first, second) = replicates.split_at(replicates.len() / 2);
         let mut error = [0.0; 3];
         for c in 0..3 {
-            let mean = mean_and_variance(replicates, c)[0];
-            for (error, part) in error.iter_mut().zip([replicates, first, second]) {
-                *error += mean_and_variance(part, c)[1] / (mean * mean + 0.01);
+            let values = replicates.map(|replicate| replicate[c]);
+            let (earlier, later) = values.split_at(values.len() / 2);
+            let mean = mean_and_variance(&values)[0];
+            for (error, part) in error.iter_mut().zip([&values[..], earlier, later]) {
+                *error += mean_and_variance(part)[1] / (mean * mean + 0.01);
             }
             self.mean += mean;
-            // Channels of a pixel come of the same paths: as if they were one.
-            self.variance_apart += 3.0 * mean_and_variance(replicates, c)[1] / f64::from(REPLICATES);
         }
         self.error.push(error);
     }
@@ -164,11 +146,11 @@ impl Square {
     }
 }
 
-/// Of one channel, the variance that of a single value.
-fn mean_and_variance(values: &[[f64; 3]], channel: usize) -> [f64; 2] {
+/// The variance is that of a single value.
+fn mean_and_variance(values: &[f64]) -> [f64; 2] {
     let n = values.len() as f64;
-    let mean = values.iter().map(|value| value[channel]).sum::<f64>() / n;
-    [mean, values.iter().map(|value| (value[channel] - mean).powi(2)).sum::<f64>() / (n - 1.0)]
+    let mean = values.iter().sum::<f64>() / n;
+    [mean, values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0)]
 }
 
 /// Of the finite ones: the others count as zero, as on a film.

@@ -1,8 +1,9 @@
 //! First vertices of a group against the second vertices of all its paths.
 
+use super::finds::Find;
 use super::pairs::{First, Second, material_of};
 use super::segments::Segments;
-use super::{ROW, Shared, VALID};
+use super::{ROW, Shared, place};
 use crate::geometry::shadow_ray;
 use crate::kernel::path::Traversal;
 use crate::kernel::probe::{Lanes, Probe, Stage};
@@ -22,22 +23,11 @@ pub struct Group<R: Real> {
     scattering: Queue<R, ROW>,
     /// Is every first vertex Lambert?
     lambert: bool,
-    finds: Vec<Find>,
+    pub finds: Vec<Find>,
     /// A row a find: density with which each first vertex finds it, 0 past the last, and where a find is not
     /// [plain](Find::plain), what each would scatter of one unit, by channel.
     density: Vec<f32>,
     value: [Vec<f32>; 3],
-}
-
-/// What one path found.
-struct Find {
-    slot: u32,
-    /// Of a second vertex that is not Lambert: which, and is it the path's own way on (or else its light sample)?
-    lobe: Option<(usize, bool)>,
-    /// Radiance; later over the sum of densities.
-    found: [f32; 3],
-    /// Do all first vertices scatter it by their albedo times their density?
-    plain: bool,
 }
 
 impl<R: Real> Group<R> {
@@ -53,16 +43,15 @@ impl<R: Real> Group<R> {
         }
     }
 
-    /// With the first vertices of `slots` and no find.
+    /// With the first vertices of `slots`.
     pub fn begin(&mut self, slots: &[u32], shared: &Shared) {
         self.first.clear();
         self.scattering.clear();
-        self.finds.clear();
         self.lambert = true;
         for slots in slots.chunks(R::WIDTH) {
             let slot = R::Bits::from_fn(|lane| slots[lane.min(slots.len() - 1)]);
             let row = R::fetch_rows(&shared.first, slot);
-            let valid = row[VALID].gt(R::zero()) & R::Mask::from_bits(((1u64 << slots.len()) - 1) as u32);
+            let valid = row[place::VALID].gt(R::zero()) & R::Mask::from_bits(((1u64 << slots.len()) - 1) as u32);
             self.first.push(valid, &array::from_fn(|k| if k < ROW { row[k] } else { R::from_bits(slot) }));
             if !shared.scattering.is_empty() {
                 let row = R::fetch_rows(&shared.scattering, slot);
@@ -70,11 +59,6 @@ impl<R: Real> Group<R> {
                 self.scattering.push(valid, &row);
             }
         }
-    }
-
-    /// Adds what the path of a slot found.
-    pub fn add(&mut self, slot: u32, lobe: Option<(usize, bool)>, found: [f32; 3]) {
-        self.finds.push(Find { slot, lobe, found, plain: false });
     }
 
     /// Adds to each pixel what it would have scattered of all finds.
@@ -115,7 +99,7 @@ impl<R: Real> Group<R> {
         let mut segments = Segments::new();
         for (k, find) in self.finds.iter_mut().enumerate() {
             let second = Second::of(&shared.second[find.slot as usize]);
-            let lobe = find.lobe.map(|(lobe, bounce)| (&shared.lobes[lobe], bounce));
+            let lobe = find.lobe.map(|lobe| (&shared.lobes[lobe.row], lobe));
             find.plain = self.lambert && lobe.is_none() && !world.plan.shading_normals;
             for first in (0..stride).step_by(R::WIDTH) {
                 let at = k * stride + first;
@@ -158,7 +142,7 @@ impl<R: Real> Group<R> {
                     sum = sum + found.hadamard(Vec3::new(x, y, z));
                 }
             }
-            let [x, y, z] = self.first.fields(12, first);
+            let [x, y, z] = self.first.fields(place::ALBEDO, first);
             let sum = sum + plain.hadamard(Vec3::new(x, y, z));
             let (slot, active) = (self.first.field(ROW, first).to_bits(), self.first.rows(first));
             let sum = probe.tap_rgb(Stage::Shared, Lanes { slot, bounce: R::zero(), active }, sum);

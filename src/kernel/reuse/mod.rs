@@ -20,6 +20,7 @@
 //! the light sample). So do paths that meet a delta. Errors of the pixels of a group are correlated.
 
 mod connect;
+mod finds;
 mod group;
 mod pairs;
 mod segments;
@@ -43,36 +44,39 @@ pub struct Shared {
     first: Vec<Row>,
     /// Their direction to the viewer and material; empty where all that scatters is Lambert and flat.
     scattering: Vec<Row>,
-    /// Second vertices: position and its error, normals on the viewer's side, [what](Second) they are.
+    /// Second vertices: position and its error, normals on the viewer's side, [what](place) they are.
     second: Vec<Row>,
-    /// A direction at a second vertex that is not Lambert, density of a light sample, BSDF, and [what it scatters](FACTOR)
+    /// A direction at a second vertex that is not Lambert, density of a light sample, BSDF, and [what it scatters](place::FACTOR)
     /// of what comes from there.
     lobes: Vec<Row>,
 }
 
-/// Last four values of a second vertex. Places in a row.
-struct Second;
-
-impl Second {
-    /// 0 for none, else [`Second::LAMBERT`] or [`Second::LOBES`].
-    const KIND: usize = 12;
-    /// 1 + the lobe of the light sample, 0 for none.
-    const LIGHT: usize = 13;
-    /// 1 + the lobe of the path's own way on, 0 for none.
-    const BOUNCE: usize = 14;
-    /// What roulette multiplied the path by that went on.
-    const CARRIED: usize = 15;
-
-    const LAMBERT: f32 = 1.0;
-    const LOBES: f32 = 2.0;
+/// Where in a row is what.
+mod place {
+    /// Of a first vertex.
+    pub const ALBEDO: usize = 12;
+    /// Not 0 where there is a first vertex.
+    pub const VALID: usize = 15;
+    /// Of a second vertex: [`LAMBERT`](super::LAMBERT), [`LOBES`](super::LOBES), or 0 where there is none.
+    pub const KIND: usize = 12;
+    /// Of a second vertex: 1 + the lobe of the light sample, 0 for none.
+    pub const LIGHT: usize = 13;
+    /// Of a second vertex: 1 + the lobe of the path's own way on, 0 for none.
+    pub const WAY_ON: usize = 14;
+    /// Of a second vertex: what roulette multiplied the path by that went on.
+    pub const CARRIED: usize = 15;
+    /// Of a lobe: the density of a light sample.
+    pub const PDF: usize = 3;
+    /// Of a lobe or a first vertex's scattering: the first of the material's values.
+    pub const MATERIAL: usize = 4;
+    /// Of a lobe: how much it scatters to the path's own first vertex, about. By that finds are chosen.
+    pub const FACTOR: usize = 14;
 }
 
-/// Where in a lobe it is how much it scatters to the path's own first vertex, about: by that finds are chosen.
-const FACTOR: usize = 14;
-
-/// Where in a first vertex its albedo is, and its validity.
-const ALBEDO: usize = 12;
-const VALID: usize = 15;
+/// A second vertex that scatters the same to every side.
+const LAMBERT: f32 = 1.0;
+/// One that does not: its lobes are kept.
+const LOBES: f32 = 2.0;
 
 impl Shared {
     /// Room for a job; `scattering` where materials are more than an albedo.

@@ -1,6 +1,7 @@
 //! One first and one second vertex: with what density does the one find the other, and what does it scatter?
 
-use super::{ROW, Row};
+use super::finds::Lobe;
+use super::{ROW, Row, place};
 use crate::geometry::SurfacePoint;
 use crate::kernel::material::MaterialAt;
 use crate::kernel::path::mis_weight;
@@ -16,7 +17,7 @@ const LEAST_DISTANCE_SQUARED: f32 = 1e-16;
 
 /// The material of a row that begins with a direction and a number.
 pub fn material_of<R: Real>(row: &[R; ROW]) -> MaterialAt<R> {
-    MaterialAt::from_row(array::from_fn(|k| row[4 + k]))
+    MaterialAt::from_row(array::from_fn(|k| row[place::MATERIAL + k]))
 }
 
 /// A second vertex, in every lane.
@@ -77,7 +78,7 @@ impl<R: Real> First<R> {
         world: &World,
         scattering: &[R; ROW],
         second: &Second<R>,
-        lobe: Option<(&Row, bool)>,
+        lobe: Option<(&Row, Lobe)>,
         valid: R::Mask,
     ) -> (R, Vec3<R>) {
         let (way, squared, seen, valid) = self.way(second, valid);
@@ -97,8 +98,8 @@ impl<R: Real> First<R> {
         if world.plan.shading_normals {
             value = value * softening(self.ng, self.ns, w, wi.z, wo.z);
         }
-        if let Some((lobe, bounce)) = lobe {
-            let (factor, pdf) = lobe_towards::<R, S>(world, second, lobe, bounce, -w, valid);
+        if let Some((row, Lobe { way_on, .. })) = lobe {
+            let (factor, pdf) = lobe_towards::<R, S>(world, second, row, way_on, -w, valid);
             (value, density) = (value.hadamard(factor), density * pdf);
         }
         let valid = valid & density.gt(R::zero());
@@ -113,7 +114,7 @@ fn lobe_towards<R: Real, S: Shade>(
     world: &World,
     second: &Second<R>,
     lobe: &Row,
-    bounce: bool,
+    way_on: bool,
     w: Vec3<R>,
     valid: R::Mask,
 ) -> (Vec3<R>, R) {
@@ -126,5 +127,5 @@ fn lobe_towards<R: Real, S: Shade>(
     if world.plan.shading_normals {
         value = value * softening(second.ng, second.ns, direction, wi.z, wo.z);
     }
-    if bounce { (value, eval.pdf) } else { (value * mis_weight(R::splat(lobe[3]), eval.pdf), R::one()) }
+    if way_on { (value, eval.pdf) } else { (value * mis_weight(R::splat(lobe[place::PDF]), eval.pdf), R::one()) }
 }

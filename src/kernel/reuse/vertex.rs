@@ -1,6 +1,6 @@
 //! What paths leave at their vertices.
 
-use super::{ROW, Second, VALID, rows_of, write};
+use super::{LAMBERT, LOBES, ROW, place, rows_of, write};
 use crate::bsdf::Sample;
 use crate::kernel::path::Paths;
 use crate::kernel::surface::{LEAST_FACING, Surface};
@@ -72,12 +72,12 @@ pub fn arrive<R: Real>(
     let ns = Vec3::select(surface.ng.dot(surface.ns).lt(R::zero()), -surface.ns, surface.ns) * side;
     // A shading normal that is turned towards who looks is another to each.
     let second = second & seen.abs().gt(R::zero()) & ns.dot(wo).ge(seen.abs().min_or(R::splat(LEAST_FACING)));
-    let second = lanes_where::<R>(paths.slot, second, |slot| out.shared.first[slot][VALID] != 0.0);
+    let second = lanes_where::<R>(paths.slot, second, |slot| out.shared.first[slot][place::VALID] != 0.0);
     if second.none() {
         return none;
     }
     let lambert = surface.material.is_lambert();
-    let kind = R::select(lambert, R::splat(Second::LAMBERT), R::splat(Second::LOBES));
+    let kind = R::select(lambert, R::splat(LAMBERT), R::splat(LOBES));
     let (p, e, ng, zero) = (surface.at.p, surface.at.error, surface.ng * side, R::zero());
     let row = [p.x, p.y, p.z, e.x, e.y, e.z, ng.x, ng.y, ng.z, ns.x, ns.y, ns.z, kind, zero, zero, zero];
     write(&mut out.shared.second, paths.slot, &row, second);
@@ -91,10 +91,10 @@ pub fn arrive<R: Real>(
 fn share_third<R: Real>(paths: &mut Paths<R>, third: R::Mask, out: &SampleBuffer) {
     let slots = out.shared.slots() as usize;
     let second = &out.shared.second;
-    let third = lanes_where::<R>(paths.slot, third, |slot| slot < slots && second[slot][Second::BOUNCE] != 0.0);
+    let third = lanes_where::<R>(paths.slot, third, |slot| slot < slots && second[slot][place::WAY_ON] != 0.0);
     for lane in lanes_of(third.bits()) {
         let slot = paths.slot.lane(lane);
-        let carried = second[slot as usize][Second::CARRIED];
+        let carried = second[slot as usize][place::CARRIED];
         paths.slot.set_lane(lane, slot + 2 * slots as u32);
         paths.beta.set_lane(lane, [carried; 3]);
     }
@@ -113,7 +113,7 @@ pub fn keep_light<R: Real>(
 ) -> (Vec3<R>, R::Bits) {
     // Nothing else finds a light without extent.
     let pdf = R::select(light.is_delta(), R::splat(f32::INFINITY), light.pdf);
-    keep_lobe(&directed(light.wi, pdf, &surface, factor(scattered)), slot, shared, Second::LIGHT, out);
+    keep_lobe(&directed(light.wi, pdf, &surface, factor(scattered)), slot, shared, place::LIGHT, out);
     (light.radiance * light.pdf.recip(), slot + R::Bits::splat(out.shared.slots()))
 }
 
@@ -136,11 +136,11 @@ pub fn leave<R: Real>(
         &directed(paths.ray.direction, R::zero(), &surface, factor(sample.weight)),
         paths.slot,
         shared,
-        Second::BOUNCE,
+        place::WAY_ON,
         out,
     );
     for lane in lanes_of(shared.bits()) {
-        out.shared.second[paths.slot.lane(lane) as usize][Second::CARRIED] = carried.lane(lane);
+        out.shared.second[paths.slot.lane(lane) as usize][place::CARRIED] = carried.lane(lane);
     }
 }
 
@@ -149,10 +149,10 @@ fn factor<R: Real>(scattered: Vec3<R>) -> R {
     (scattered.x + scattered.y + scattered.z) * R::splat(1.0 / 3.0) + R::splat(0.05)
 }
 
-fn keep_lobe<R: Real>(values: &[R; ROW], slot: R::Bits, shared: R::Mask, place: usize, out: &mut SampleBuffer) {
+fn keep_lobe<R: Real>(values: &[R; ROW], slot: R::Bits, shared: R::Mask, at: usize, out: &mut SampleBuffer) {
     let rows = rows_of(values);
     for lane in lanes_of(shared.bits()) {
         out.shared.lobes.push(rows[lane]);
-        out.shared.second[slot.lane(lane) as usize][place] = out.shared.lobes.len() as f32;
+        out.shared.second[slot.lane(lane) as usize][at] = out.shared.lobes.len() as f32;
     }
 }
