@@ -1,12 +1,12 @@
-//! Leaves: eight triangles or spheres side by side.
+//! Leaves: eight triangles side by side.
 
 use super::interval::{Interval, Segments};
 use super::lanes::ones;
 use super::leaf::{EdgeValues, Found, Leaf};
 use super::tree::{Block, OneHit, OneRay, PacketRay};
 use crate::geometry::plane_normal;
-use crate::geometry::slab::{own_hi, own_lo, sphere_hi, sphere_lo};
-use crate::geometry::{Edges, Hit, MISS, RaySetup, Vertices, edges, intersect_sphere, largest, own_box, pass_edges};
+use crate::geometry::slab::{own_hi, own_lo};
+use crate::geometry::{Edges, Hit, MISS, RaySetup, Vertices, edges, largest, own_box, pass_edges};
 use crate::lane::{Bits, Mask, Real, axes, u32x8};
 
 /// Eight triangles: coordinates by vertex and axis, so that a single ray's choice of axes is a choice of arrays.
@@ -15,16 +15,6 @@ use crate::lane::{Bits, Mask, Real, axes, u32x8};
 pub struct TriangleBlock {
     v: [[[f32; 8]; 3]; 3],
     /// [`MISS`] in empty places, which come last. Their vertices are NaN: no ray passes their edges.
-    id: [u32; 8],
-}
-
-/// Eight spheres.
-#[repr(C, align(64))]
-#[derive(Clone, Copy, Debug)]
-pub struct SphereBlock {
-    center: [[f32; 8]; 3],
-    /// NaN in empty places, which come last: no hit.
-    radius: [f32; 8],
     id: [u32; 8],
 }
 
@@ -154,53 +144,26 @@ fn test_packet<R: Real>(
 
 /// Does (t, primitive) beat the best so far?
 #[inline(always)]
-fn better<R: Real>(t: R, primitive: R::Bits, hit: &Hit<R>) -> R::Mask {
-    // Primitives are below 2²⁹: as signed differences they compare right, and MISS wins nothing because t = t_max is
-    // no hit.
-    let lower = !(primitive - hit.primitive).shr::<31>().eq(R::Bits::splat(0)) & hit.valid();
-    t.lt(hit.t) | t.eq(hit.t) & lower
+pub fn better<R: Real>(t: R, primitive: R::Bits, best_t: R, best_primitive: R::Bits) -> R::Mask {
+    // Primitives are below 2²⁹: as signed differences they compare right, and none is below MISS.
+    let lower = !(primitive - best_primitive).shr::<31>().eq(R::Bits::splat(0));
+    t.lt(best_t) | t.eq(best_t) & lower
 }
 
 /// Takes the hits of `mask` that beat the best so far.
 #[inline(always)]
 pub fn keep_triangle<R: Real>((edges, mask, t): (Edges<R>, R::Mask, R), primitive: u32, t_max: R, hit: &mut Hit<R>) {
     let primitive = R::Bits::splat(primitive);
-    let mask = mask & t.lt(t_max) & better(t, primitive, hit);
+    let mask = mask & t.lt(t_max) & better(t, primitive, hit.t, hit.primitive);
     if mask.any() {
         let (u, v) = edges.weights();
         hit.replace(mask, Hit { t, primitive, u, v });
     }
 }
-#[inline(always)]
-pub fn keep_sphere<R: Real>(mask: R::Mask, t: R, primitive: u32, t_max: R, hit: &mut Hit<R>) {
-    let primitive = R::Bits::splat(primitive);
-    let mask = mask & t.lt(t_max) & better(t, primitive, hit);
-    if mask.any() {
-        hit.replace(mask, Hit { t, primitive, u: R::zero(), v: R::zero() });
-    }
-}
-
-/// A sphere per lane: lanes with 0 < t ≤ `t_best` that pass the own box, and t.
-#[inline(always)]
-pub fn test_sphere<R: Real>(
-    setup: &RaySetup<R>,
-    center: [R; 3],
-    radius: R,
-    t_best: R,
-    active: R::Mask,
-) -> Option<(R::Mask, R)> {
-    let t = intersect_sphere(setup.origin, setup.direction, center, radius);
-    let mask = active & t.gt(R::zero()) & t.le(t_best);
-    if mask.none() {
-        return None;
-    }
-    let (t_near, t_far) = setup.slab(axes(|k| sphere_lo(center[k], radius)), axes(|k| sphere_hi(center[k], radius)));
-    Some((mask & t_near.le(t_far), t_near.max_or(t)))
-}
 
 /// Places that are not empty, as bits.
 #[inline(always)]
-fn filled(id: &[u32; 8]) -> u32 {
+pub fn filled(id: &[u32; 8]) -> u32 {
     let empty = <u32x8 as Bits>::load(id).eq(<u32x8 as Bits>::splat(MISS));
     !empty.bits() & 0xff
 }
@@ -284,81 +247,5 @@ impl Block for TriangleBlock {
             Some(order) => self.any_turned(ray, places, t_max, active, |i| self.splat(order, i)),
             None => self.any_turned(ray, places, t_max, active, |i| self.turned(ray, i)),
         }
-    }
-}
-
-impl SphereBlock {
-    /// `first` is the primitive number of sphere 0.
-    pub fn new(ids: &[u32], first: u32, sphere: impl Fn(usize) -> ([f32; 3], f32)) -> Self {
-        let mut block = Self { center: [[0.0; 8]; 3], radius: [f32::NAN; 8], id: [MISS; 8] };
-        for (place, id) in ids.iter().enumerate() {
-            let (center, radius) = sphere(*id as usize);
-            for (axis, x) in center.iter().enumerate() {
-                block.center[axis][place] = *x;
-            }
-            block.radius[place] = radius;
-            block.id[place] = first + id;
-        }
-        block
-    }
-    #[inline(always)]
-    fn test_packet<R: Real>(&self, ray: &PacketRay<R>, i: usize, t_best: R, active: R::Mask) -> Option<(R::Mask, R)> {
-        let center = axes(|k| R::splat(self.center[k][i]));
-        test_sphere(ray.setup, center, R::splat(self.radius[i]), t_best, active)
-    }
-}
-
-impl Leaf for SphereBlock {
-    #[inline(always)]
-    fn passed<E: Real>(&self, _: &OneRay<E>, _: &mut EdgeValues) -> u32 {
-        filled(&self.id)
-    }
-    #[inline(always)]
-    fn id(&self, place: usize) -> u32 {
-        self.id[place]
-    }
-    #[inline(always)]
-    fn meet<E: Real>(found: &Found<'_, Self>, ray: &RaySetup<E>) -> (E::Mask, E, E, E) {
-        let center = axes(|k| found.gather(|block, place| block.center[k][place]));
-        let radius = found.gather(|block, place| block.radius[place]);
-        let (far, all) = (E::splat(f32::INFINITY), E::Mask::splat(true));
-        let (hits, t) = test_sphere(ray, center, radius, far, all).unwrap_or((E::Mask::splat(false), far));
-        (hits, t, E::zero(), E::zero())
-    }
-    #[inline(always)]
-    fn meet_one(&self, place: usize, ray: &OneRay<f32>, _: &EdgeValues) -> (bool, OneHit) {
-        let center = axes(|k| self.center[k][place]);
-        let found = test_sphere(&ray.setup, center, self.radius[place], ray.t_max, true);
-        let (hit, t) = found.unwrap_or((false, 0.0));
-        (hit & (t < ray.t_max), OneHit { t, primitive: self.id[place], u: 0.0, v: 0.0 })
-    }
-}
-
-impl Block for SphereBlock {
-    #[inline(always)]
-    fn places<E: Real>(&self, _: Option<&Interval<E>>, _: f32) -> u32 {
-        filled(&self.id)
-    }
-    #[inline(always)]
-    fn places_about<E: Real>(&self, _: &Segments<E>) -> u32 {
-        filled(&self.id)
-    }
-    #[inline(always)]
-    fn closest_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, active: R::Mask, hit: &mut Hit<R>, t_max: R) {
-        for i in ones(places) {
-            if let Some((mask, t)) = self.test_packet(ray, i % 8, hit.t, active) {
-                keep_sphere(mask, t, self.id[i % 8], t_max, hit);
-            }
-        }
-    }
-    #[inline(always)]
-    fn any_packet<R: Real>(&self, ray: &PacketRay<R>, places: u32, t_max: R, active: R::Mask) -> R::Mask {
-        let mut open = active;
-        for i in ones(places) {
-            if let Some((mask, t)) = self.test_packet(ray, i % 8, t_max, open) {
-                open = open & !(mask & t.lt(t_max));
-            }
-        }
-        active & !open
     }
 }

@@ -1,6 +1,6 @@
 //! All lanes against every primitive in turn: no tree, no stack.
 
-use super::block::{keep_sphere, test_sphere};
+use super::sphere_block::{keep_sphere, test_sphere};
 use super::{Accel, Brute, Mode};
 use crate::geometry::{Hit, RaySetup};
 use crate::lane::{Mask, Real, axes};

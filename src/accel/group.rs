@@ -1,7 +1,7 @@
 //! Packets that go the same way, through the tree as one (Overbeck, Ramamoorthi, Mark 2008, "Large Ray Packets for
 //! Real-time Whitted Ray Tracing"): what is bounded for all of their rays at once costs no more than for one packet's.
 
-use super::block::TriangleBlock;
+use super::block::{TriangleBlock, better};
 use super::interval::Interval;
 use super::lanes::ones;
 use super::leaf::Leaf;
@@ -200,9 +200,7 @@ impl<R: Real> Best<R> {
     /// Takes the lanes of `hits` that are nearer, or as near and of a lower primitive.
     #[inline(always)]
     fn keep(&mut self, hits: R::Mask, found: Self) {
-        // As signed differences, since primitives are below 2²⁹: MISS is then not above any.
-        let lower = !(found.primitive - self.primitive).shr::<31>().eq(R::Bits::splat(0));
-        let wins = hits & (found.t.lt(self.t) | found.t.eq(self.t) & lower);
+        let wins = hits & better(found.t, found.primitive, self.t, self.primitive);
         self.t = R::select(wins, found.t, self.t);
         self.primitive = R::Bits::select(wins, found.primitive, self.primitive);
         self.weights = [0, 1].map(|i| R::select(wins, found.weights[i], self.weights[i]));

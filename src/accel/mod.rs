@@ -22,16 +22,18 @@ mod packet;
 mod pairs;
 mod shadow;
 mod single;
+mod sphere_block;
 mod stream;
 mod tree;
 
 use crate::geometry::{Bounds, Hit, Ray, RaySetup};
 use crate::lane::Real;
-use block::{SphereBlock, TriangleBlock};
+use block::TriangleBlock;
 use brute::SphereList;
 pub use build::{BuildOptions, BuildReport, Preset};
 pub use built::Built;
 use facets::TriangleList;
+use sphere_block::SphereBlock;
 use std::time::Instant;
 use tree::Tree;
 
