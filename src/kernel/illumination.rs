@@ -1,8 +1,9 @@
 //! The illumination integral at one point of a picture, for estimators on their own: what the directions of a density
 //! carry to the viewer. Directions come from a density alone, as in a lecture; the path estimator combines them.
 
+use super::direct::light_ray;
 use super::material::AllModels;
-use super::path::{light_ray, mis_weight, same_side};
+use super::path::{mis_weight, same_side};
 use super::pattern;
 use super::surface::Surface;
 use super::world::World;

@@ -5,6 +5,7 @@
 
 mod camera;
 pub(crate) mod cutout;
+mod direct;
 mod gather;
 mod illumination;
 pub mod light_paths;
@@ -17,6 +18,7 @@ mod phong;
 mod probe;
 mod queue;
 mod reuse;
+mod roulette;
 mod rows;
 mod shade;
 mod surface;
@@ -27,11 +29,11 @@ mod wave;
 mod world;
 
 pub use camera::Camera;
+pub(crate) use direct::light_ray;
 pub use gather::GatherReport;
 pub use illumination::{PixelPoint, Technique};
 pub use light_paths::{LightJob, LightPaths, Splat};
 pub(crate) use material::AllModels;
-pub(crate) use path::light_ray;
 pub use path::{Traversal, mis_weight};
 pub(crate) use pattern::look_up as look_up_pattern;
 pub use probe::{Lanes, NoProbe, Probe, Record, Recorder, Stage};

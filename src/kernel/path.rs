@@ -5,27 +5,24 @@
 //! Every random number is a function of (seed, pixel, sample, dimension), and a path adds to its own slot: which lane it
 //! ran in leaves no trace.
 
+use super::direct::{by_lights_alone, sample_direct};
 use super::light_paths::ratio::{Arrival, reversed_pdf, weight_against};
-use super::pattern;
 use super::probe::{Lanes, Probe, Stage};
 use super::queue::Queue;
 use super::reuse;
-use super::rows::{SHADOW, pack_shadows};
+use super::roulette::roulette;
+use super::rows::SHADOW;
 use super::shade::Shade;
 use super::surface::Surface;
 use super::tile::SampleBuffer;
 use super::world::World;
 use crate::accel::Mode;
 use crate::bsdf::Sample;
-use crate::geometry::{Hit, Ray, SurfacePoint, shadow_ray};
+use crate::geometry::{Hit, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3};
-use crate::light::{LightSample, sphere_pdf, triangle_pdf};
+use crate::light::{sphere_pdf, triangle_pdf};
 use crate::sampling::dimensions::*;
 use crate::sampling::{Frame, Sampler};
-use crate::scene::Integrator;
-
-/// No path survives roulette more surely than this, unless it carries more than it started with.
-const MAX_SURVIVAL: f32 = 0.95;
 
 /// How a kernel finds geometry.
 pub trait Traversal: 'static {
@@ -219,86 +216,6 @@ fn add_emission<R: Real, S: Shade, P: Probe>(
     out.add(paths.slot, contribution, emitting);
 }
 
-/// Lanes at the last vertex of their path, where a ray by the material could find nothing but what light samples find as well.
-#[inline(always)]
-fn by_lights_alone<R: Real>(world: &World, paths: &Paths<R>, surface: &Surface<R>, scatters: R::Mask) -> R::Mask {
-    let Some(reach) = &world.reach else { return R::Mask::splat(false) };
-    let last = scatters & (paths.bounce + R::one()).ge(R::splat(world.max_bounces)) & surface.material.is_lambert();
-    if last.any() { last & reach.beyond(surface.at.p) } else { last }
-}
-
-/// Next-event estimation: a point on a light or a direction to the environment, and its contribution if it is seen, which a
-/// shadow ray is to tell. Where not `competing`, nothing else is to find it.
-#[inline(always)]
-#[allow(clippy::too_many_arguments)]
-fn sample_direct<R: Real, S: Shade, P: Probe>(
-    world: &World,
-    shade: &S,
-    paths: &Paths<R>,
-    surface: &Surface<R>,
-    frame: &Frame<R>,
-    wo: Vec3<R>,
-    u: &[R; BOUNCE],
-    [scatters, competing, shared]: [R::Mask; 3],
-    arrival: Option<&Arrival<R>>,
-    shadows: &mut Queue<R, SHADOW>,
-    out: &mut SampleBuffer,
-    probe: &mut P,
-) {
-    let lit = scatters & !shade.is_delta(world, &paths.hit, surface);
-    if lit.none() {
-        return;
-    }
-    let u_position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
-    let mut light = shade.sample_light(world, surface.at.p, paths.table, u[LIGHT_CHOICE], u_position, lit);
-    if world.plan.patterned_lights {
-        pattern::look_up(world, &mut light, lit);
-    }
-    let wi = frame.to_local(light.wi);
-    let pdf = probe.tap(Stage::LightPdf, paths.lanes(lit), light.pdf);
-    let lit = lit & pdf.gt(R::zero()) & same_side(wi.z, surface.ng.dot(light.wi));
-    let eval = shade.eval(world, &paths.hit, surface, [wo, wi], lit);
-    let mut weight = mis_weight(pdf, eval.pdf.masked(competing)) / pdf;
-    if let Some(arrival) = arrival.filter(|_| lit.any()) {
-        let back = reversed_pdf(world, shade, paths.hit, *surface, [wo, wi], lit);
-        weight = weight_against(eval.pdf / pdf, arrival.at_sample(world, *surface, light, back, lit)) / pdf;
-    }
-    if world.plan.delta_lights || S::OWN_LIGHT {
-        // Nothing else finds a light without extent.
-        weight = R::select(light.is_delta(), pdf.recip(), weight);
-    }
-    if world.plan.shading_normals {
-        weight = weight * surface.terminator(light.wi, wi.z, wo.z);
-    }
-    let mut contribution = paths.beta.hadamard(eval.value).hadamard(light.radiance) * weight;
-    let mut slot = paths.slot;
-    let shared = shared & lit & (same_side(wi.z, wo.z) | surface.material.is_dielectric());
-    if shared.any() {
-        let (of_light, of_slot) =
-            reuse::keep_light(*surface, &light, eval.value * (weight * pdf), paths.slot, shared, out);
-        contribution = Vec3::select(shared, of_light, contribution);
-        slot = R::Bits::select(shared, of_slot, slot);
-    }
-    let lanes = Lanes { slot, ..paths.lanes(lit) };
-    let contribution = probe.tap_rgb(Stage::LightContribution, lanes, contribution);
-    let carries = lit & contribution.max_component().gt(R::zero());
-    if carries.any() {
-        shadows.push(carries, &pack_shadows(&light_ray(surface, &light), contribution, slot, paths.bounce));
-    }
-}
-
-/// The shadow ray of a light sample: to a point moved off its light, or to infinity.
-#[inline(always)]
-pub(crate) fn light_ray<R: Real>(surface: &Surface<R>, light: &LightSample<R>) -> Ray<R> {
-    let origin = surface.leave(light.wi);
-    let to_point = shadow_ray(origin, &SurfacePoint { p: light.target, error: light.target_error }, light.ng);
-    Ray {
-        origin,
-        direction: Vec3::select(light.is_environment, light.wi, to_point.direction),
-        t_max: R::select(light.is_environment, R::splat(f32::INFINITY), to_point.t_max),
-    }
-}
-
 /// Samples the material and sends the path on, or ends it. Returns the sample, and what decides on the path's end: what it
 /// carries, or where it goes on for all pixels that share it, what it would if it began at this vertex. (What is left of it by
 /// the first vertex of its own pixel says nothing of what others see of it: may be nothing.)
@@ -334,49 +251,6 @@ fn scatter<R: Real, S: Shade, P: Probe>(
     paths.alive = goes_on & carried.max_component().gt(R::zero());
     paths.ray = surface.ray_towards(direction);
     (sample, carried)
-}
-
-/// Russian roulette as the scene has it ([`Roulette`](crate::scene::Roulette)), by the largest channel of what is carried,
-/// times η². Returns what it multiplied the paths by that go on.
-///
-/// With the cap alone, also above what the scene calls little, β would grow by 1/0.95 an event in a white room: almost every
-/// path ends early, few carry nearly everything, and the variance has no bound (`check --numerics`, white cavity, prints what that gives).
-#[inline(always)]
-fn roulette<R: Real, P: Probe>(world: &World, paths: &mut Paths<R>, carried: Vec3<R>, u: R, probe: &mut P) -> R {
-    let carried = carried.max_component() * paths.eta_squared;
-    let Some((plays, survival)) = world.roulette.survival(paths.bounce + R::one(), carried, paths.alive) else {
-        return R::one();
-    };
-    let survival = probe.tap(Stage::Roulette, paths.lanes(plays), survival);
-    let survives = u.lt(survival);
-    paths.alive = paths.alive & (survives | !plays);
-    let factor = R::select(plays & survives, survival.recip(), R::one());
-    paths.beta = paths.beta * factor;
-    factor
-}
-
-/// The scene's [`Roulette`](crate::scene::Roulette) as lanes use it.
-#[derive(Clone, Copy, Debug)]
-pub struct Roulette {
-    after: f32,
-    /// 1/`below`.
-    scale: f32,
-}
-
-impl Roulette {
-    pub(super) fn of(integrator: &Integrator) -> Self {
-        let crate::scene::Roulette { after, below } = integrator.roulette;
-        Roulette { after: after as f32, scale: below.recip() }
-    }
-
-    /// Lanes that play after `events` scattering events, and their probability to survive; `None` where none does.
-    #[inline(always)]
-    pub(super) fn survival<R: Real>(&self, events: R, carried: R, alive: R::Mask) -> Option<(R::Mask, R)> {
-        let plays = alive & events.ge(R::splat(self.after));
-        let carried = carried * R::splat(self.scale);
-        let survival = R::select(carried.gt(R::one()), R::one(), carried.min_or(R::splat(MAX_SURVIVAL)));
-        plays.any().then_some((plays, survival))
-    }
 }
 
 /// Albedo, shading normal towards the viewer and distance of the first hit.

@@ -5,8 +5,9 @@
 //! radiance (Phong 1975, "Illumination for Computer Generated Pictures"; normalised as `bsdf::Phong` is).
 
 use super::cutout;
+use super::direct::light_ray;
 use super::material::AllModels;
-use super::path::{Traversal, light_ray, same_side};
+use super::path::{Traversal, same_side};
 use super::surface::Surface;
 use super::tile::Counters;
 use super::world::World;
