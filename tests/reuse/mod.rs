@@ -5,7 +5,7 @@ use crate::renders::{self, How, Set};
 use crate::stats::{self, Moments};
 use octolux::kernel::Width;
 use octolux::plan::{Force, Plan};
-use octolux::render::thread_pool;
+use octolux::render::{Budget, Options, Progress, thread_pool};
 use octolux::scene::{
     self, Bsdf, ConductorFresnel, DeltaLight, Environment, FilmSize, IntegratorKind, LightPaths, Masking, PathReuse,
     Roulette, Scene,
@@ -161,6 +161,37 @@ fn what_is_seen_at_a_low_angle_is_not_lost() {
     let mean = |scene: &Scene| renders::film(&renders::world(scene, 11), 1 << 16).mean(0, 0)[0];
     let (shared, own) = (mean(&scene), mean(&without(scene.clone())));
     assert!(shares(&scene) && own > 0.0 && (shared - own).abs() <= 2e-5 * own, "{shared} for {own}");
+}
+
+/// A light too close to a ceiling for f32, hidden from the floor that the camera sees: what paths find there is no number.
+#[test]
+fn what_is_no_number_is_counted_and_spoils_no_other() {
+    let mut set = Set::new([0.0, 1.0, 3.0], [0.0, 0.0, 0.0], 20.0, 8).bounces(2);
+    let clay = set.grey(0.7, 0.0);
+    set.quad(clay, [[-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0], [-2.0, 0.0, -2.0]]);
+    set.quad(clay, [[-2.0, 2.0, -2.0], [2.0, 2.0, -2.0], [2.0, 2.0, 2.0], [-2.0, 2.0, 2.0]]);
+    // A small screen just below the light.
+    set.quad(clay, [[-0.3, 1.8, 0.3], [0.3, 1.8, 0.3], [0.3, 1.8, -0.3], [-0.3, 1.8, -0.3]]);
+    let scene = set.light(DeltaLight::Point { position: [0.0, 1.9, 0.0], intensity: [2e38; 3] }).finish();
+    assert!(shares(&scene));
+    let pool = thread_pool(1).expect("a thread");
+    let options = Options {
+        budget: Budget { samples: Some(64), ..Budget::default() },
+        width: Width::native(),
+        tile: 8,
+        aovs: false,
+        output_seconds: 0.0,
+        adaptive: false,
+    };
+    let film = |scene: &Scene| {
+        let world = renders::world(scene, 1);
+        octolux::render::render(&world, &options, &pool, &mut Progress::quiet()).film
+    };
+    let (shared, own) = (film(&scene), film(&without(scene.clone())));
+    let (found, expected) = (shared.discarded().count, own.discarded().count);
+    println!("{found} samples discarded, {expected} of own paths");
+    assert!(expected > 0 && found == expected, "{found} discarded for {expected}");
+    assert!((0..64).all(|k| shared.mean(k % 8, k / 8).iter().all(|x| x.is_finite())), "a pixel is spoilt");
 }
 
 #[test]
