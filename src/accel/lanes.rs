@@ -1,5 +1,6 @@
 //! Rays laid out by value, to be taken one at a time.
 
+use super::node::Crossing;
 use super::tree::OneRay;
 use crate::geometry::{Ray, RaySetup, Shear};
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3, axes};
@@ -9,6 +10,9 @@ pub struct Lanes<const N: usize> {
     origin: [[f32; N]; 3],
     direction: [[f32; N]; 3],
     inverse: [[f32; N]; 3],
+    /// See [`Crossing::against`] and [`Crossing::near`].
+    against: [[f32; N]; 3],
+    near: [[u32; N]; 3],
     /// See [`OneRay::octant`].
     octant: [u32; N],
     order: [[u32; N]; 3],
@@ -28,6 +32,8 @@ impl<const N: usize> Lanes<N> {
         origin: [[0.0; N]; 3],
         direction: [[0.0; N]; 3],
         inverse: [[0.0; N]; 3],
+        against: [[0.0; N]; 3],
+        near: [[0; N]; 3],
         octant: [0; N],
         order: [[0; N]; 3],
         shear_origin: [[0.0; N]; 3],
@@ -42,13 +48,27 @@ impl<const N: usize> Lanes<N> {
             put(setup.origin[k], &mut self.origin[k], first);
             put(setup.direction[k], &mut self.direction[k], first);
             put(setup.inverse[k], &mut self.inverse[k], first);
+            put(-setup.inverse[k], &mut self.against[k], first);
             put(setup.shear.origin[k], &mut self.shear_origin[k], first);
             put(setup.shear.scale[k], &mut self.shear_scale[k], first);
             setup.order[k].store(&mut self.order[k][first..first + R::WIDTH]);
+            let near = R::Bits::select(setup.negative[k], R::Bits::splat(8), R::Bits::splat(0));
+            near.store(&mut self.near[k][first..first + R::WIDTH]);
         }
         let bit = |k: usize| R::Bits::select(setup.negative[k], R::Bits::splat(1 << k), R::Bits::splat(0));
         (bit(0) | bit(1) | bit(2)).store(&mut self.octant[first..first + R::WIDTH]);
         put(t_max, &mut self.t_max, first);
+    }
+    /// Ray `i` for nodes.
+    #[inline(always)]
+    pub fn crossing<E: Real>(&self, i: usize) -> Crossing<E> {
+        let splat = |v: &[[f32; N]; 3]| axes(|k| E::splat(v[k][i]));
+        Crossing {
+            origin: splat(&self.origin),
+            against: splat(&self.against),
+            near: axes(|k| self.near[k][i] as usize & 8),
+            octant: self.octant[i] as usize & 7,
+        }
     }
     /// The rays `i`, a lane each.
     #[inline(always)]

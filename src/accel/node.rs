@@ -2,7 +2,7 @@
 
 use super::tree::OneRay;
 use crate::geometry::Bounds;
-use crate::geometry::slab::slab;
+use crate::geometry::slab::{FAR_PAD, slab};
 use crate::lane::{Bits, Real, axes};
 
 /// What a node's child slot, or a tree's root, refers to.
@@ -36,6 +36,17 @@ impl Child {
     pub fn index(self) -> usize {
         (self.0 & (Self::LEAF - 1)) as usize
     }
+}
+
+/// A ray as the test of a node's children takes it.
+pub struct Crossing<E: Real> {
+    pub origin: [E; 3],
+    /// −1/d: planes are what is subtracted, so that their loads fold into the subtraction.
+    pub against: [E; 3],
+    /// By axis, 8 where the direction is negative, else 0: where the near planes are among its 16.
+    pub near: [usize; 3],
+    /// [`OneRay::octant`].
+    pub octant: usize,
 }
 
 /// Four cache lines. Empty slots have [`Bounds::EMPTY`], which no usable ray enters.
@@ -80,11 +91,18 @@ impl Node {
     /// The children that a ray enters before `t_best`, as bits in the octant's order (the nearest is the highest), where
     /// it enters them, and all the child words, in that order.
     #[inline(always)]
-    pub fn entered<E: Real>(&self, ray: &OneRay<E>, t_best: f32) -> (u32, E, E::Bits) {
+    pub fn entered<E: Real>(&self, ray: &Crossing<E>, t_best: E) -> (u32, E, E::Bits) {
         let order = E::Bits::unpack_octal(self.order[ray.octant]);
-        let (t_near, t_far) = self.enter(ray, 0);
-        let (t_near, t_far) = (t_near.permute(order), t_far.permute(order));
-        let bits = t_near.le_bits(t_far.min_or(E::splat(t_best)));
+        let planes = self.planes.as_flattened();
+        // As `slab` computes them, but for the sign of zero.
+        let distance = |k: usize, near: usize| (ray.origin[k] - E::load(&planes[16 * k + near..])) * ray.against[k];
+        let (mut t_near, mut t_far) = (E::zero(), E::splat(f32::INFINITY));
+        for k in 0..3 {
+            t_near = distance(k, ray.near[k]).max_or(t_near);
+            t_far = distance(k, ray.near[k] ^ 8).min_or(t_far);
+        }
+        let (t_near, t_far) = (t_near.permute(order), t_far.permute(order) * E::splat(FAR_PAD));
+        let bits = t_near.le_bits(t_far.min_or(t_best));
         (bits, t_near, E::from_bits(E::Bits::load(&self.children)).permute(order).to_bits())
     }
 

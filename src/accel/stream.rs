@@ -69,7 +69,7 @@ impl<B: Block> Walk<'_, B> {
         let top = self.top[i] as usize;
         let t_nears = &mut self.stacks.t_near[top..top + 8];
         let children = &mut self.stacks.child[top..top + 8];
-        let (bits, t_near, words) = node.entered(&lanes.ray::<E>(i), t_best);
+        let (bits, t_near, words) = node.entered(&lanes.crossing::<E>(i), E::splat(t_best));
         t_near.compress(bits).store(t_nears);
         E::from_bits(words).compress(bits).to_bits().store(children);
         self.top[i] = (top as u32 + bits.count_ones()) - 1;
