@@ -2,10 +2,10 @@
 
 use crate::geometry::Bounds;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::{BvhBuildParams, bvh2::builder::build_bvh2};
+use obvhs::bvh2::{Bvh2, reinsertion::ReinsertionOptimizer};
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use rayon::prelude::*;
 use serde::Serialize;
-use std::time::Duration;
 
 /// How much time to spend on the tree. Results do not depend on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -55,20 +55,49 @@ pub struct BuildReport {
 /// A binary tree with one primitive a leaf. Pre-splitting stays off: a piece of a triangle does not contain the
 /// triangle's own box.
 ///
-/// The boxes in the tree are only near those given, for [`collapse`](super::collapse) to replace.
+/// The boxes in the tree are only near those given, for [`Plan`](super::collapse::Plan) to replace.
 pub fn binary_tree(boxes: &[Bounds], preset: Preset) -> Bvh2 {
-    let boxes: Vec<Aabb> = boxes.iter().enumerate().map(|(i, b)| without_ties(i, b)).collect();
-    let params = match preset {
-        Preset::Fast => BvhBuildParams::fast_build(),
-        Preset::Medium => BvhBuildParams::medium_build(),
-        // Its first reinsertion pass already tries every node: a second doubles the build and buys no rays.
-        Preset::Best => BvhBuildParams {
-            post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
-            ..BvhBuildParams::very_slow_build()
-        },
-    };
-    let params = BvhBuildParams { pre_split: false, max_prims_per_leaf: 1, ..params };
-    build_bvh2(&boxes, params, &mut Duration::default())
+    let effort = Effort::of(preset);
+    let boxes: Vec<Aabb> = boxes.par_iter().enumerate().map(|(i, b)| without_ties(i, b)).collect();
+    let mut tree = PlocBuilder::with_capacity(boxes.len()).build(
+        effort.distance,
+        &boxes,
+        (0..boxes.len() as u32).collect(),
+        effort.precision,
+        effort.hasty,
+    );
+    let mut optimizer = ReinsertionOptimizer::default();
+    for _ in 0..effort.runs {
+        // Of a share of the nodes 1/1, 1/3, 1/5 …
+        let passes = (0..effort.passes).map(|pass| 1.0 / (2 * pass + 1) as f32);
+        optimizer.run(&mut tree, effort.share, Some(passes.collect()));
+    }
+    tree
+}
+
+/// What a binary tree is worth. Found by measuring; see benches/README.md.
+struct Effort {
+    /// How far along the curve boxes look for the one to join.
+    distance: PlocSearchDistance,
+    /// Rounds in which they look at their neighbours alone.
+    hasty: usize,
+    precision: SortPrecision,
+    /// Of all nodes those that are tried elsewhere, and how often.
+    share: f32,
+    runs: usize,
+    passes: usize,
+}
+
+impl Effort {
+    fn of(preset: Preset) -> Self {
+        let (low, medium) = (PlocSearchDistance::Low, PlocSearchDistance::Medium);
+        let (fine, finest) = (SortPrecision::U64, SortPrecision::U128);
+        match preset {
+            Preset::Fast => Self { distance: low, hasty: 2, precision: fine, share: 0.02, runs: 1, passes: 16 },
+            Preset::Medium => Self { distance: low, hasty: 0, precision: fine, share: 0.05, runs: 2, passes: 8 },
+            Preset::Best => Self { distance: medium, hasty: 1, precision: finest, share: 1.0, runs: 1, passes: 16 },
+        }
+    }
 }
 
 /// The box grown on each side by a random share of its size, 2⁻¹⁰ at most.

@@ -1,218 +1,167 @@
 //! From a binary tree to eight-wide nodes, by exact dynamic programming over the surface-area cost
 //! (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", §3.1).
 
-use super::node::{Child, Node};
-use super::tree::{MAX_DEPTH, Tree};
+use super::preorder::Preorder;
 use crate::geometry::Bounds;
-use obvhs::bvh2::{Bvh2, node::Bvh2Node};
+use crate::lane::array::from_fn;
+use rayon::prelude::*;
 
 /// Cost of visiting a node and a block of eight, per half area; only the ratio matters. Found by measuring.
 const NODE_COST: f32 = 1.0;
 const BLOCK_COST: f32 = 1.4;
 
-/// Below this many nodes of the longest way down the optimal choice gives way to balanced halving, so that no input
-/// (a binary tree can be a list) makes a tree deeper than [`MAX_DEPTH`]: what is left, at most 2²⁸ primitives, is
-/// divided by eight at each further node, nine times until a block holds it.
-const FREE_DEPTH: usize = MAX_DEPTH - 11;
+/// A binary tree, and how its nodes are best made wide ones.
+pub struct Plan<'a> {
+    pub tree: &'a Preorder,
+    /// Exact, by node of `tree`.
+    pub bounds: Vec<Bounds>,
+    /// By node of `tree`, 0 of leaves.
+    choices: Vec<Choice>,
+}
 
-/// What is known of the subtree below a binary inner node.
+/// How an inner node is best stood for. Three bits for each number j = 2 … 8 of roots: how many of them stand for the left
+/// child, or 0 if one root fewer does as well. The highest bit: is a single root best a block?
 #[derive(Clone, Copy)]
+struct Choice(u32);
+
+impl Choice {
+    const BLOCK: u32 = 1 << 31;
+
+    fn left(self, roots: usize) -> usize {
+        (self.0 >> (3 * (roots - 2)) & 7) as usize
+    }
+}
+
+/// What is known of a subtree.
 struct Subtree {
-    /// `cost[j − 1]`: cheapest way to stand for it by at most j roots, j = 1 … 7.
+    bounds: Bounds,
+    /// `cost[j − 1]`: cheapest way to stand for it by at most j roots.
     cost: [f32; 7],
-    /// Number of primitives, 255 for more.
-    count: u8,
+    /// Number of primitives, if not more than a block holds.
+    count: u32,
 }
 
-struct Collapse<'a, F> {
-    tree: &'a Bvh2,
-    /// Own boxes by primitive.
-    boxes: &'a [Bounds],
-    /// By node of `tree`.
-    bounds: Vec<Bounds>,
-    /// By [`slot`].
-    subtrees: Vec<Subtree>,
-    block: F,
-}
+impl Subtree {
+    fn leaf(bounds: Bounds) -> Self {
+        Self { bounds, cost: [bounds.half_area() * BLOCK_COST; 7], count: 1 }
+    }
 
-/// A wide child still to be made.
-enum Pending {
-    Subtree(usize),
-    Primitives(Vec<u32>),
-}
-
-/// Makes the wide tree of `tree`, which has one primitive a leaf and more than eight leaves. The boxes are rebuilt from
-/// `boxes`, those of the primitives.
-pub fn collapse<B, F: FnMut(&[u32]) -> B>(tree: &Bvh2, boxes: &[Bounds], block: F) -> Tree<B> {
-    let mut state = Collapse { tree, boxes, bounds: Vec::new(), subtrees: Vec::new(), block };
-    state.costs();
-    state.emit()
-}
-
-impl<B, F: FnMut(&[u32]) -> B> Collapse<'_, F> {
-    fn children(&self, node: usize) -> [usize; 2] {
-        let first = self.tree.nodes[node].first_index as usize;
-        [first, first + 1]
-    }
-    /// Children come in pairs from 1 on, so (first child − 1)/2 numbers inner nodes without gaps.
-    fn slot(&self, node: usize) -> usize {
-        (self.tree.nodes[node].first_index as usize - 1) / 2
-    }
-    /// The primitive of a leaf.
-    fn primitive(&self, leaf: &Bvh2Node) -> usize {
-        self.tree.primitive_indices[leaf.first_index as usize] as usize
-    }
-    fn is_leaf(&self, node: usize) -> bool {
-        self.tree.nodes[node].is_leaf()
-    }
-    fn count(&self, node: usize) -> usize {
-        if self.is_leaf(node) { 1 } else { self.subtrees[self.slot(node)].count as usize }
-    }
-    /// Cheapest way to stand for `node` by at most `roots` roots.
-    fn cost(&self, node: usize, roots: usize) -> f32 {
-        if self.is_leaf(node) {
-            self.bounds[node].half_area() * BLOCK_COST
-        } else {
-            self.subtrees[self.slot(node)].cost[roots - 1]
+    fn join(left: &Self, right: &Self) -> (Self, Choice) {
+        // Exact unions: the proof in `geometry` leans on it.
+        let bounds = left.bounds.union(&right.bounds);
+        let (area, count) = (bounds.half_area(), left.count + right.count);
+        let shares: [(usize, f32); 7] = from_fn(|i| share(left, right, i + 2));
+        let as_node = shares[6].1 + area * NODE_COST;
+        let as_block = if count <= 8 { area * BLOCK_COST } else { f32::INFINITY };
+        let mut cost = [as_node.min(as_block); 7];
+        let mut choice = (shares[6].0 as u32) << 18;
+        if as_block <= as_node {
+            choice |= Choice::BLOCK;
         }
-    }
-    /// Cheapest way to share `roots` ≥ 2 roots between the children: how many go left, and the cost.
-    fn share(&self, node: usize, roots: usize) -> (usize, f32) {
-        let [l, r] = self.children(node);
-        let options = (1..roots).map(|k| (k, self.cost(l, k.min(7)) + self.cost(r, (roots - k).min(7))));
-        options.fold((1, f32::INFINITY), |best, option| if option.1 < best.1 { option } else { best })
-    }
-
-    /// Fills `bounds` and `subtrees` from the leaves up.
-    fn costs(&mut self) {
-        let nodes = &self.tree.nodes;
-        let mut order = Vec::with_capacity(nodes.len() / 2);
-        let mut stack = vec![0];
-        while let Some(node) = stack.pop() {
-            if !self.is_leaf(node) {
-                order.push(node);
-                stack.extend(self.children(node));
+        for (i, share) in shares[..6].iter().enumerate() {
+            cost[i + 1] = cost[i];
+            if share.1 < cost[i] {
+                cost[i + 1] = share.1;
+                choice |= (share.0 as u32) << (3 * i);
             }
         }
-        let own = |n: &Bvh2Node| if n.is_leaf() { self.boxes[self.primitive(n)] } else { Bounds::EMPTY };
-        self.bounds = nodes.iter().map(own).collect();
-        self.subtrees = vec![Subtree { cost: [0.0; 7], count: 0 }; nodes.len() / 2];
-        for node in order.into_iter().rev() {
-            let [l, r] = self.children(node);
-            // Exact unions: the proof in `geometry` leans on it.
-            self.bounds[node] = self.bounds[l].union(&self.bounds[r]);
-            let area = self.bounds[node].half_area();
-            let count = (self.count(l) + self.count(r)).min(255);
-            let as_node = self.share(node, 8).1 + area * NODE_COST;
-            let as_block = if count <= 8 { area * BLOCK_COST } else { f32::INFINITY };
-            let mut cost = [as_node.min(as_block); 7];
-            for roots in 2..=7 {
-                cost[roots - 1] = self.share(node, roots).1.min(cost[roots - 2]);
-            }
-            let slot = self.slot(node);
-            self.subtrees[slot] = Subtree { cost, count: count as u8 };
-        }
+        (Self { bounds, cost, count: count.min(9) }, Choice(choice))
     }
+}
 
-    /// Appends the roots that stand for `node`, at most `roots`.
-    fn roots(&self, node: usize, roots: usize, out: &mut Vec<usize>) {
-        if roots == 1 || self.is_leaf(node) {
-            return out.push(node);
-        }
-        if self.cost(node, roots) == self.cost(node, roots - 1) {
-            return self.roots(node, roots - 1, out);
-        }
-        self.split(node, roots, out);
-    }
-    fn split(&self, node: usize, roots: usize, out: &mut Vec<usize>) {
-        let [l, r] = self.children(node);
-        let left = self.share(node, roots).0;
-        self.roots(l, left.min(7), out);
-        self.roots(r, (roots - left).min(7), out);
-    }
+/// Cheapest way to share `roots` ≥ 2 roots between two children: how many go left, and the cost.
+#[inline(always)]
+fn share(left: &Subtree, right: &Subtree, roots: usize) -> (usize, f32) {
+    let options = (1..roots).map(|k| (k, left.cost[k.min(7) - 1] + right.cost[(roots - k).min(7) - 1]));
+    options.fold((1, f32::INFINITY), |best, option| if option.1 < best.1 { option } else { best })
+}
 
-    /// Primitives below `node`, in the order of the tree.
-    fn primitives(&self, node: usize) -> Vec<u32> {
-        let mut out = Vec::new();
-        let mut stack = vec![node];
-        while let Some(node) = stack.pop() {
-            if self.is_leaf(node) {
-                out.push(self.primitive(&self.tree.nodes[node]) as u32);
-            } else {
-                let [l, r] = self.children(node);
-                stack.extend([r, l]);
-            }
-        }
-        out
-    }
-
-    /// Nodes and blocks depth first, so that a way down stays close in memory.
-    fn emit(mut self) -> Tree<B> {
-        let mut out = Tree { root: Child::node(0), ..Tree::default() };
-        // (what, nodes above it, node and slot that refer to it)
-        let mut stack = vec![(Pending::Subtree(0), 0, None::<(usize, usize)>)];
-        while let Some((pending, above, parent)) = stack.pop() {
-            let child = match self.as_block(&pending) {
-                Some(mut ids) => {
-                    // The lower of equals is then the first.
-                    ids.sort_unstable();
-                    out.blocks.push((self.block)(&ids));
-                    Child::leaf(out.blocks.len() - 1)
+impl<'a> Plan<'a> {
+    /// `boxes` are those of the primitives.
+    pub fn new(tree: &'a Preorder, boxes: &[Bounds]) -> Self {
+        let mut plan = Self { tree, bounds: vec![Bounds::EMPTY; tree.len()], choices: vec![Choice(0); tree.len()] };
+        // Parts are in order, so that each takes its places from the front of what is left.
+        let (mut bounds, mut choices, mut end) = (&mut plan.bounds[..], &mut plan.choices[..], 0);
+        let parts: Vec<_> = (tree.parts.iter())
+            .map(|part| {
+                let places =
+                    (take(&mut bounds, part.start - end, part.len()), take(&mut choices, part.start - end, part.len()));
+                end = part.end;
+                (part, places)
+            })
+            .collect();
+        let subtrees: Vec<Subtree> = (parts.into_par_iter())
+            .map(|(part, (bounds, choices))| {
+                let mut stack = Vec::new();
+                for node in part.clone().rev() {
+                    let place = node - part.start;
+                    (bounds[place], choices[place]) = fold(tree, boxes, node, &mut stack);
+                }
+                stack.pop().expect("a part is a subtree")
+            })
+            .collect();
+        let mut subtrees = tree.parts.iter().zip(subtrees).rev().peekable();
+        let (mut stack, mut node) = (Vec::new(), tree.len());
+        while node > 0 {
+            match subtrees.next_if(|(part, _)| part.end == node) {
+                Some((part, subtree)) => {
+                    stack.push(subtree);
+                    node = part.start;
                 }
                 None => {
-                    let parts = self.parts(pending, above);
-                    let bounds: Vec<_> = parts.iter().map(|part| (Child(0), self.part_bounds(part))).collect();
-                    let index = out.nodes.len();
-                    out.nodes.push(Node::new(&bounds));
-                    out.depth = out.depth.max(above + 1);
-                    let parts = parts.into_iter().enumerate().rev();
-                    stack.extend(parts.map(|(slot, part)| (part, above + 1, Some((index, slot)))));
-                    Child::node(index)
+                    node -= 1;
+                    (plan.bounds[node], plan.choices[node]) = fold(tree, boxes, node, &mut stack);
                 }
-            };
-            match parent {
-                Some((node, slot)) => out.nodes[node].children[slot] = child.0,
-                None => out.root = child,
             }
         }
+        plan
+    }
+
+    /// Is one root for `node` best a block?
+    pub fn is_block(&self, node: usize) -> bool {
+        self.tree.primitive(node).is_some() || self.choices[node].0 & Choice::BLOCK != 0
+    }
+
+    /// The children of the wide node that stands for `node`.
+    pub fn split(&self, node: usize) -> Vec<usize> {
+        let mut out = Vec::with_capacity(8);
+        self.share(node, 8, &mut out);
         out
     }
-
-    /// The primitives, where the pending child is best made a block.
-    fn as_block(&self, pending: &Pending) -> Option<Vec<u32>> {
-        match pending {
-            Pending::Primitives(ids) => (ids.len() <= 8).then(|| ids.clone()),
-            Pending::Subtree(node) => {
-                let fits = self.count(*node) <= 8;
-                let block = fits && self.cost(*node, 1) >= self.bounds[*node].half_area() * BLOCK_COST;
-                block.then(|| self.primitives(*node))
-            }
-        }
+    fn share(&self, node: usize, roots: usize, out: &mut Vec<usize>) {
+        let [left, right] = self.tree.children(node);
+        let count = self.choices[node].left(roots);
+        self.roots(left, count, out);
+        self.roots(right, (roots - count).min(7), out);
     }
-
-    /// The children of a pending child that is to be a node.
-    fn parts(&self, pending: Pending, above: usize) -> Vec<Pending> {
-        match pending {
-            Pending::Subtree(node) if above < FREE_DEPTH => {
-                let mut roots = Vec::with_capacity(8);
-                self.split(node, 8, &mut roots);
-                roots.into_iter().map(Pending::Subtree).collect()
-            }
-            Pending::Subtree(node) => halve(self.primitives(node)),
-            Pending::Primitives(ids) => halve(ids),
+    /// Appends the roots that stand for `node`, at most `roots`.
+    fn roots(&self, node: usize, roots: usize, out: &mut Vec<usize>) {
+        let mut roots = roots;
+        while roots > 1 && self.choices[node].left(roots) == 0 {
+            roots -= 1;
         }
-    }
-
-    fn part_bounds(&self, part: &Pending) -> Bounds {
-        match part {
-            Pending::Subtree(node) => self.bounds[*node],
-            Pending::Primitives(ids) => ids.iter().fold(Bounds::EMPTY, |all, id| all.union(&self.boxes[*id as usize])),
-        }
+        if roots == 1 { out.push(node) } else { self.share(node, roots, out) }
     }
 }
 
-/// Eight parts of nearly equal length, more than eight primitives.
-fn halve(ids: Vec<u32>) -> Vec<Pending> {
-    let size = ids.len().div_ceil(8);
-    ids.chunks(size).map(|part| Pending::Primitives(part.to_vec())).collect()
+/// The next `len` of `slice` after `skip`, which both are taken off it.
+fn take<'a, T>(slice: &mut &'a mut [T], skip: usize, len: usize) -> &'a mut [T] {
+    let (taken, rest) = core::mem::take(slice)[skip..].split_at_mut(len);
+    *slice = rest;
+    taken
+}
+
+/// Puts what is known of `node` on the stack, where that of its children is (the left one's last).
+fn fold(tree: &Preorder, boxes: &[Bounds], node: usize, stack: &mut Vec<Subtree>) -> (Bounds, Choice) {
+    let (subtree, choice) = match tree.primitive(node) {
+        Some(primitive) => (Subtree::leaf(boxes[primitive as usize]), Choice(0)),
+        None => {
+            let left = stack.pop().expect("a child comes before its parent");
+            let right = stack.pop().expect("inner nodes have two children");
+            Subtree::join(&left, &right)
+        }
+    };
+    let bounds = subtree.bounds;
+    stack.push(subtree);
+    (bounds, choice)
 }

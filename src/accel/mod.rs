@@ -10,6 +10,7 @@ mod build;
 mod built;
 mod collapse;
 mod corners;
+mod emit;
 mod facets;
 mod flight;
 mod group;
@@ -20,6 +21,7 @@ mod lists;
 mod node;
 mod packet;
 mod pairs;
+mod preorder;
 mod shadow;
 mod single;
 mod sphere_block;
@@ -33,6 +35,7 @@ use brute::SphereList;
 pub use build::{BuildOptions, BuildReport, Preset};
 pub use built::Built;
 use facets::TriangleList;
+use rayon::prelude::*;
 use sphere_block::SphereBlock;
 use std::time::Instant;
 use tree::Tree;
@@ -111,7 +114,8 @@ impl Accel {
             accel.spheres = SphereList::new(spheres, first_sphere);
         }
         if options.trees {
-            let boxes: Vec<_> = (0..triangles.len()).map(|i| Bounds::of_triangle(vertices(i))).collect();
+            let boxes: Vec<_> =
+                (0..triangles.len()).into_par_iter().map(|i| Bounds::of_triangle(vertices(i))).collect();
             accel.triangle_tree = Tree::build(&boxes, options.preset, |ids| TriangleBlock::new(ids, vertices));
             let boxes: Vec<_> = spheres.iter().map(|(c, r)| Bounds::of_sphere(*c, *r)).collect();
             accel.sphere_tree =

@@ -3,6 +3,7 @@
 use super::tree::OneRay;
 use crate::geometry::Bounds;
 use crate::geometry::slab::{FAR_PAD, slab};
+use crate::lane::array::from_fn;
 use crate::lane::{Bits, Real, axes};
 
 /// What a node's child slot, or a tree's root, refers to.
@@ -75,7 +76,7 @@ impl Node {
         for (slot, (child, _)) in children.iter().enumerate() {
             node.children[slot] = child.0;
         }
-        node.order = core::array::from_fn(|octant| order(octant, children));
+        node.order = orders(children);
         node
     }
 
@@ -112,18 +113,28 @@ impl Node {
     }
 }
 
-fn order(octant: usize, children: &[(Child, Bounds)]) -> u32 {
-    let nearness = |bounds: &Bounds| -> f32 {
-        (0..3)
-            .map(|k| {
-                let middle = 0.5 * bounds.lo[k] + 0.5 * bounds.hi[k];
-                if octant >> k & 1 != 0 { middle } else { -middle }
-            })
-            .sum()
-    };
-    let mut slots: Vec<usize> = (0..children.len()).collect();
-    slots.sort_by(|a, b| nearness(&children[*a].1).total_cmp(&nearness(&children[*b].1)));
-    let empty = children.len()..8;
-    let word = empty.chain(slots).enumerate().fold(0, |word, (i, slot)| word | (slot as u32) << (3 * i));
-    word | (children.len() as u32) << 24
+/// [`Node::order`]. A child's place is the number of those that are farther, of equals those before it: no branch on it.
+fn orders(children: &[(Child, Bounds)]) -> [u32; 8] {
+    let count = children.len();
+    let mut middles = [[0.0; 3]; 8];
+    for (middle, (_, bounds)) in middles.iter_mut().zip(children) {
+        *middle = axes(|k| 0.5 * bounds.lo[k] + 0.5 * bounds.hi[k]);
+    }
+    let empty = (count..8).enumerate().fold(0, |word, (i, slot)| word | (slot as u32) << (3 * i));
+    let mut orders = [empty | (count as u32) << 24; 8];
+    for octant in 0..4 {
+        let nearness: [f32; 8] = from_fn(|slot| {
+            let [x, y, z] = axes(|k| if octant >> k & 1 != 0 { middles[slot][k] } else { -middles[slot][k] });
+            x + y + z
+        });
+        for slot in 0..count {
+            let below =
+                |other: usize| nearness[other] < nearness[slot] || nearness[other] == nearness[slot] && other < slot;
+            let place: usize = (0..count).map(|other| usize::from(below(other))).sum();
+            orders[octant] |= (slot as u32) << (3 * (8 - count + place));
+            // The other way everything is the other way round.
+            orders[7 - octant] |= (slot as u32) << (3 * (7 - place));
+        }
+    }
+    orders
 }

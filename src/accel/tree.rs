@@ -1,15 +1,17 @@
 //! A tree of eight-wide nodes over blocks of eight primitives.
 
-use super::collapse::collapse;
+use super::collapse::Plan;
+use super::emit::Emit;
 use super::interval::{Interval, Segments};
 use super::leaf::Leaf;
 use super::node::{Child, Node};
+use super::preorder::Preorder;
 use super::{Preset, build};
 use crate::geometry::{Bounds, Hit, RaySetup};
 use crate::lane::{Bits, Mask, Real, axes, prefetch};
 use core::hint::select_unpredictable;
 
-/// Nodes on the longest way down are at most this many (see [`collapse`]), so a walk never holds more than
+/// Nodes on the longest way down are at most this many (see [`emit`](super::emit)), so a walk never holds more than
 /// [`STACK`] entries: each node leaves at most seven behind, and is stored as eight.
 pub const MAX_DEPTH: usize = 36;
 pub const STACK: usize = MAX_DEPTH * 7 + 16;
@@ -116,7 +118,7 @@ impl<B> Default for Tree<B> {
 
 impl<B: Block> Tree<B> {
     /// `block` makes the block of up to eight primitives, given by index into `boxes`.
-    pub fn build(boxes: &[Bounds], preset: Preset, mut block: impl FnMut(&[u32]) -> B) -> Self {
+    pub fn build(boxes: &[Bounds], preset: Preset, block: impl Fn(&[u32]) -> B + Sync) -> Self {
         if boxes.is_empty() {
             return Self::default();
         }
@@ -124,7 +126,8 @@ impl<B: Block> Tree<B> {
             let all: Vec<u32> = (0..boxes.len() as u32).collect();
             return Self { root: Child::leaf(0), blocks: vec![block(&all)], ..Self::default() };
         }
-        let tree = collapse(&build::binary_tree(boxes, preset), boxes, block);
+        let order = Preorder::new(&build::binary_tree(boxes, preset));
+        let tree = Emit { plan: &Plan::new(&order, boxes), boxes, block }.tree();
         Self { far: tree.node_bytes() + tree.block_bytes() >= FAR, ..tree }
     }
 

@@ -1,7 +1,7 @@
 //! The same bits in every mode, at every width, with any tree, whatever the other lanes hold.
 
 use super::support::*;
-use octolux::accel::{Accel, Brute, Packet, Preset, Single, Stream};
+use octolux::accel::{Accel, Brute, BuildOptions, Packet, Preset, Single, Stream};
 use octolux::geometry::MISS;
 use octolux::lane::{Real, f32x8, f32x16};
 
@@ -41,7 +41,7 @@ pub fn random_rays(n: usize, rng: &mut Random) -> Vec<OneRay> {
 fn modes_widths_and_trees_agree() {
     let mut rng = Random::new(1);
     for (triangles, spheres, size) in
-        [(1, 0, 0.5), (7, 3, 0.5), (9, 1, 0.4), (60, 20, 0.2), (700, 0, 0.1), (1500, 40, 0.05)]
+        [(1, 0, 0.5), (7, 3, 0.5), (9, 1, 0.4), (60, 20, 0.2), (700, 0, 0.1), (1500, 40, 0.05), (6000, 0, 0.03)]
     {
         let shapes = Shapes::random(triangles, spheres, size, &mut rng);
         let accels = presets(&shapes);
@@ -49,6 +49,23 @@ fn modes_widths_and_trees_agree() {
         let found = ask_all(&accels.each_ref(), &rays);
         let hits = found.iter().filter(|(hit, _)| hit.1 != MISS).count();
         assert!(hits > 20, "{hits} of {} rays hit {triangles} triangles: the test would see nothing", rays.len());
+    }
+}
+
+/// Nodes and blocks bit for bit: the binary tree and what is made of it are shared out among threads.
+#[test]
+fn the_tree_is_the_same_whatever_the_threads() {
+    let shapes = Shapes::random(6000, 2500, 0.05, &mut Random::new(31));
+    for preset in [Preset::Fast, Preset::Medium, Preset::Best] {
+        let built = [1, 2, 5].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let text = format!("{:?}", pool.install(|| shapes.build(BuildOptions::trees(preset))));
+            // Before the trees is where the lists are aligned to, after them how many seconds it took.
+            let (_, trees) = text.split_once("triangle_tree: ").unwrap();
+            trees.split_once("report: ").unwrap().0.to_owned()
+        });
+        assert!(built[0].len() > 1_000_000, "{preset:?}: {} characters", built[0].len());
+        assert!(built.iter().all(|tree| *tree == built[0]), "{preset:?}");
     }
 }
 
