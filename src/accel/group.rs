@@ -135,7 +135,14 @@ impl<'a, R: Real, const N: usize> Group<'a, R, N> {
                 let (bits, t_near, words) = self.interval.children(&tree.nodes[child.index()], t_best);
                 t_near.compress(bits).store(&mut t_nears[len..]);
                 <R::Eight as Real>::from_bits(words).compress(bits).to_bits().store(&mut children[len..]);
+                let first = len;
                 len += bits.count_ones() as usize;
+                if tree.far {
+                    // What comes after the nearest child, which is next.
+                    for word in &children[first..len.max(first + 1) - 1] {
+                        tree.prefetch(Child(*word));
+                    }
+                }
             }
         }
     }

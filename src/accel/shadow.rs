@@ -113,6 +113,9 @@ fn walk<B: Block, R: Real>(
                 let slot = slot % 8;
                 let (t_near, t_far) = around.enter(node, slot, setup);
                 let lanes = t_near.le_bits(t_far.min_or(t_max)) & lanes;
+                if tree.far {
+                    tree.prefetch(Child(node.children[slot]));
+                }
                 entries[count % 8] = Entry { child: Child(node.children[slot]), lanes };
                 count += usize::from(lanes != 0);
             }

@@ -22,8 +22,15 @@ use core::hint::select_unpredictable;
 /// Fewer candidates than this are met one after another, more side by side. Found by measuring.
 const FEW: usize = 4;
 
-/// Rays that are sent at once: with more in flight their stacks leave the nearest cache. Found by measuring.
+/// Rays that are sent at once: with more in flight their stacks leave the nearest cache, and only a [far](Tree::far) tree
+/// makes up for that. Found by measuring.
 const TOGETHER: usize = 64;
+const TOGETHER_FAR: usize = RAYS;
+
+/// Packets of width `width` that are sent at once.
+fn packets(accel: &Accel, width: usize) -> usize {
+    (if accel.triangle_tree.far { TOGETHER_FAR } else { TOGETHER }) / width
+}
 
 /// Is told of each candidate: the ray, whether it hits, and how.
 pub trait Keep: Fn(&mut Best, usize, bool, OneHit) {}
@@ -243,7 +250,7 @@ impl Mode for Stream {
         if R::WIDTH == 1 {
             return Single::closest_many(accel, rays, active, hits);
         }
-        let packets = TOGETHER / R::WIDTH;
+        let packets = packets(accel, R::WIDTH);
         for ((rays, active), hits) in rays.chunks(packets).zip(active.chunks(packets)).zip(hits.chunks_mut(packets)) {
             closest(accel, rays, active, hits);
         }
@@ -253,7 +260,7 @@ impl Mode for Stream {
         if R::WIDTH == 1 {
             return Single::any_many(accel, rays, active, found);
         }
-        let packets = TOGETHER / R::WIDTH;
+        let packets = packets(accel, R::WIDTH);
         for ((rays, active), found) in rays.chunks(packets).zip(active.chunks(packets)).zip(found.chunks_mut(packets)) {
             any(accel, rays, active, found);
         }

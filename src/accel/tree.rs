@@ -8,7 +8,7 @@ use super::node::{Child, Node};
 use super::preorder::Preorder;
 use super::{Preset, build};
 use crate::geometry::{Bounds, Hit, RaySetup};
-use crate::lane::{Bits, Mask, Real, axes, prefetch};
+use crate::lane::{Bits, Mask, Real, axes, prefetch_second};
 use core::hint::select_unpredictable;
 
 /// Nodes on the longest way down are at most this many (see [`emit`](super::emit)), so a walk never holds more than
@@ -131,12 +131,18 @@ impl<B: Block> Tree<B> {
         Self { far: tree.node_bytes() + tree.block_bytes() >= FAR, ..tree }
     }
 
-    /// Starts to bring the node or block that `child` names into the caches. Any child will do.
+    /// Starts to bring the node or block that `child` names towards the core. Any child will do.
     #[inline(always)]
     pub fn prefetch(&self, child: Child) {
-        let block = self.blocks.as_ptr().wrapping_add(child.index());
-        let node = self.nodes.as_ptr().wrapping_add(child.index()).cast();
-        prefetch::<B>(select_unpredictable(child.is_leaf(), block, node));
+        let block = self.blocks.as_ptr().wrapping_add(child.index()).cast::<[u8; 64]>();
+        let node = self.nodes.as_ptr().wrapping_add(child.index()).cast::<[u8; 64]>();
+        let is_leaf = child.is_leaf();
+        let first = select_unpredictable(is_leaf, block, node);
+        for line in 0..size_of::<Node>() / 64 {
+            prefetch_second(first.wrapping_add(line));
+        }
+        // Blocks of triangles have a line more, those of spheres one less.
+        prefetch_second(select_unpredictable(is_leaf, block.wrapping_add(size_of::<B>() / 64 - 1), node));
     }
     pub fn node_bytes(&self) -> usize {
         core::mem::size_of_val(self.nodes.as_slice())

@@ -19,7 +19,7 @@ mod width1;
 mod width16;
 mod width8;
 
-pub use shuffle::prefetch;
+pub use shuffle::{prefetch, prefetch_second};
 pub use vec3::{Vec3, axes, difference_of_products};
 pub(crate) use wide::u32x8;
 pub use wide::{f32x8, f32x16};
