@@ -94,7 +94,7 @@ impl Effort {
         let (fine, finest) = (SortPrecision::U64, SortPrecision::U128);
         match preset {
             Preset::Fast => Self { distance: low, hasty: 2, precision: fine, share: 0.02, runs: 1, passes: 16 },
-            Preset::Medium => Self { distance: low, hasty: 0, precision: fine, share: 0.05, runs: 2, passes: 8 },
+            Preset::Medium => Self { distance: low, hasty: 2, precision: fine, share: 0.05, runs: 2, passes: 8 },
             Preset::Best => Self { distance: medium, hasty: 1, precision: finest, share: 1.0, runs: 1, passes: 16 },
         }
     }
