@@ -86,6 +86,7 @@ impl StateArgs {
             posterior: options.aovs && world.plan.posterior,
             shares_points: world.integrator.shares_points(),
             light_paths: world.light_paths.is_some(),
+            light_paths_everywhere: world.light_paths.is_none_or(|paths| paths.everywhere),
             path_reuse: world.plan.path_reuse,
             roulette: world.integrator.roulette.to_string(),
         };

@@ -43,12 +43,19 @@ pub struct Origin {
     /// Are paths from the lights among them?
     #[serde(default)]
     pub light_paths: bool,
+    /// Do they bring light that light samples find, too? States that do not say are of a time when all did.
+    #[serde(default = "everywhere")]
+    pub light_paths_everywhere: bool,
     /// Do pixels share paths?
     #[serde(default)]
     pub path_reuse: bool,
     /// See [`Roulette`], as the command line has it; states that do not say are of a time when there was but one.
     #[serde(default = "usual_roulette")]
     pub roulette: String,
+}
+
+fn everywhere() -> bool {
+    true
 }
 
 fn usual_roulette() -> String {
@@ -103,7 +110,11 @@ impl Origin {
         let version = |origin: &Origin| origin.version.clone();
         let scene = |origin: &Origin| origin.fingerprint.clone();
         let sampler = |origin: &Origin| origin.sampler.name().to_string();
-        let light_paths = |origin: &Origin| if origin.light_paths { "on" } else { "off" }.to_string();
+        let light_paths = |origin: &Origin| match (origin.light_paths, origin.light_paths_everywhere) {
+            (false, _) => "off".to_string(),
+            (true, false) => "auto".to_string(),
+            (true, true) => "on".to_string(),
+        };
         let path_reuse = |origin: &Origin| if origin.path_reuse { "auto" } else { "off" }.to_string();
         let roulette = |origin: &Origin| origin.roulette.clone();
         let facts: [(_, Fact, String); 9] = [

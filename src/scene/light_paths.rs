@@ -4,10 +4,10 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum LightPaths {
-    /// Where the plan finds that they pay.
+    /// Where the plan finds that they pay, and but for light that light samples find as well.
     #[default]
     Auto,
-    /// Wherever they can be.
+    /// Wherever they can be, for all light.
     On,
     /// Never.
     Off,

@@ -24,6 +24,7 @@ pub fn all() -> Vec<(&'static str, Scene)> {
         ("images", images()),
         ("crumpled ball", crumpled_ball(true)),
         ("light paths", with_light_paths(crate::light_paths::shop(true))),
+        ("light paths beside light samples", crate::light_paths::shop(false)),
         ("light paths, stage", with_light_paths(stage_lights(true))),
         ("light paths, images", with_light_paths(crate::light_paths::flat_images())),
         ("light paths, lambert room", with_light_paths(lambert_room())),

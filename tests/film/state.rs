@@ -50,6 +50,7 @@ fn head(film: &Film) -> Head {
         posterior: film.channels().has_posterior(),
         shares_points: false,
         light_paths: false,
+        light_paths_everywhere: true,
         path_reuse: false,
         roulette: "2,0.25".into(),
     };

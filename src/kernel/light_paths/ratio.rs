@@ -26,7 +26,7 @@ use super::LightPaths;
 use super::is_primitive;
 use crate::bsdf::Sample;
 use crate::geometry::Hit;
-use crate::lane::{MAX_WIDTH, Mask, Real, Vec3};
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
 use crate::light::LightSample;
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -110,7 +110,7 @@ pub fn camera_samples<R: Real>(e: R, back: R, density: R, cos: R, sampled: R) ->
 /// What camera paths know of light paths, where they have arrived.
 pub struct Arrival<R: Real> {
     paths: LightPaths,
-    /// e times the cosine of the arrival; 0 at first hits, whose light no light path brings.
+    /// e times the cosine of the arrival; 0 at first hits, whose light no light path brings, and where they leave it to light samples.
     before: R,
     /// e.
     here: R,
@@ -129,13 +129,15 @@ impl<R: Real> Arrival<R> {
     #[inline(never)]
     fn at(world: &World, light_paths: LightPaths, paths: Paths<R>, surface: Surface<R>, out: &SampleBuffer) -> Self {
         let first = paths.bounce.eq(R::zero());
-        let kept = R::gather(&out.light_ratio, paths.slot);
         // N over the density at the first hit of a ray through one pixel.
         let importance = world.camera.importance(paths.ray.direction);
+        // Negative where the path left a Lambert vertex.
+        let kept = R::gather(&out.light_ratio, paths.slot);
         let begun = camera_starts(light_paths.number::<R>(), paths.hit.t, importance);
         let cos = surface.ng.dot(paths.ray.direction).abs();
-        let here = R::select(first, begun, kept) / cos;
-        Arrival { paths: light_paths, before: R::select(first, R::zero(), kept), here, first }
+        let here = R::select(first, begun, kept.abs()) / cos;
+        let brought = !first & (kept.gt(R::zero()) | R::Mask::splat(light_paths.everywhere));
+        Arrival { paths: light_paths, before: kept.abs().masked(brought), here, first }
     }
 
     /// Of a path that runs into the light: its density as a light path's over its own.
@@ -154,7 +156,8 @@ impl<R: Real> Arrival<R> {
         let density = self.paths.start_density(world, light.primitive, row, starts);
         let cos = surface.ng.dot(light.wi).abs();
         let back = R::select(self.first, R::one(), back);
-        camera_samples(self.here, back, density, cos, light.pdf).masked(starts)
+        let brought = starts & (!surface.material.is_lambert() | R::Mask::splat(self.paths.everywhere));
+        camera_samples(self.here, back, density, cos, light.pdf).masked(brought)
     }
 
     /// Keeps what the next vertex needs, of paths that go on along their rays; `from_z` is the cosine of where they came from,
@@ -172,8 +175,9 @@ impl<R: Real> Arrival<R> {
         // The camera is seen from the first hit in any direction, but not by a delta.
         let back = R::select(self.first, R::one().masked(!sample.delta), back);
         let kept = camera_leaves(self.here, surface.ng.dot(paths.ray.direction).abs(), [forth, back]);
+        let kept = R::select(surface.material.is_lambert(), -kept, kept);
         let (mut slots, mut values) = ([0; MAX_WIDTH], [0.0; MAX_WIDTH]);
-        crate::lane::Bits::store(paths.slot, &mut slots);
+        paths.slot.store(&mut slots);
         kept.store(&mut values);
         for lane in lanes_of(paths.alive.bits()) {
             out.light_ratio[slots[lane] as usize] = values[lane];

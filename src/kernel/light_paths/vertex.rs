@@ -35,7 +35,10 @@ pub fn vertex<R: Real>(world: &World, paths: &LightPaths, walk: &mut Walk<R>) ->
     let frame = Frame::from_normal(surface.ns);
     let wi = frame.to_local(backward);
     let facing = surface.ng.dot(backward);
-    let active = walk.alive & same_side(wi.z, facing);
+    let mut active = walk.alive & same_side(wi.z, facing);
+    if !paths.everywhere {
+        active = active & !(walk.bounce.eq(R::one()) & surface.material.is_lambert());
+    }
     let ratio = walk.ratio / facing.abs();
     let vertex = Vertex { surface, frame, wi, facing, ratio, active };
     let link = if active.any() { connect(world, walk, &vertex, &u) } else { None };
