@@ -8,7 +8,7 @@ Runs `octolux converge` on each scene of ../shared/refs (reports stay in DIR) an
 intervals: rendering alone, and the wall clock from exec to closed file. The peers' seconds are those of
 ../shared/refs/README.md, measured on another machine; tools/peer_mitsuba.py re-measures Mitsuba's paths a second here, and
 its paths to the error follow from C = relMSE·samples, which no machine changes. With --adaptive, samples are divided by a
-pilot (whose paths and seconds count) where the scene lets them be.
+pilot (whose paths and seconds count).
 """
 import argparse
 import json
@@ -30,15 +30,13 @@ SCENES = {
     "many_lights": ("1,4,16,64,256", {1e-2: 67.0}, 17.9),
     "door_ajar": ("16,64,256,1024", {1e-2: 14.0}, 24.9),
 }
-# Paths from the lights reach every pixel alike.
-EVEN = {"glass"}
 
 
 def measure(scene, budgets, arguments):
     folder = pathlib.Path(arguments.output) / scene
     command = [str(ROOT / "target" / "release" / "octolux"), "converge", str(REFS / scene / "scene.toml"),
                "--reference", str(REFS / f"{scene}.exr"), "--spp", budgets, "--seeds", str(arguments.seeds), "--quiet",
-               "-o", str(folder)] + (["--", "--adaptive"] if arguments.adaptive and scene not in EVEN else [])
+               "-o", str(folder)] + (["--", "--adaptive"] if arguments.adaptive else [])
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(f"{' '.join(command)}: {done.stderr.strip()}")

@@ -131,6 +131,23 @@ impl TileFilm {
         PixelSums::new(self.samples(), &total, self.channels)
     }
 
+    /// Adds to every pixel's mean an estimate of something else, with its variance (`of` a place in the image, by channel), and that
+    /// to the variance of the mean. Nothing can be added after it.
+    pub fn add_estimate(&mut self, of: impl Fn(u32, u32) -> [[f64; 2]; 3]) {
+        let (Rect { x, y, width, height }, stride, n) = (self.rect, self.channels.stride(), self.samples() as f64);
+        for (x, y) in (y..y + height).flat_map(|y| (x..x + width).map(move |x| (x, y))) {
+            let (at, now, added) = (self.rect.index_of(x, y) * stride, self.pixel(x, y).sum, of(x, y));
+            let whole = self.whole.nodes.last_mut().map(|node| &mut node.sums);
+            let Some(sums) = (if self.partial.is_empty() { whole } else { Some(&mut self.partial) }) else { return };
+            for (c, [mean, variance]) in added.into_iter().enumerate() {
+                let sum = mean * n;
+                sums[at + c] += sum;
+                // So that n Σx² − (Σx)² grows by n² (n − 1) times the variance.
+                sums[at + 3 + c] += sum * (2.0 * now[c] + sum) / n + variance * n * (n - 1.0);
+            }
+        }
+    }
+
     /// The largest sample of one pixel, channel by channel, in size; 0 without samples.
     pub fn largest(&self, x: u32, y: u32) -> [f32; 3] {
         self.largest.get(self.rect.index_of(x, y)).copied().unwrap_or_default()

@@ -77,7 +77,7 @@ pub struct World {
 pub struct Setup {
     /// To build the tree.
     pub tree_seconds: f64,
-    /// To build the rest.
+    /// To build the rest, most of it at the same time.
     pub tables_seconds: f64,
     /// What was built.
     pub tree: BuildReport,
@@ -121,12 +121,20 @@ impl World {
             GeometryMode::Brute => BuildOptions::lists(),
             GeometryMode::Tree => BuildOptions::trees(options.build),
         };
-        let accel = Accel::build(&positions, &scene.mesh.triangles, &spheres, build);
-        let tree_seconds = start.elapsed().as_secs_f64();
+        let ((accel, tree_seconds), (triangles, lights, lights_seconds)) = rayon::join(
+            || {
+                let accel = Accel::build(&positions, &scene.mesh.triangles, &spheres, build);
+                (accel, start.elapsed().as_secs_f64())
+            },
+            || {
+                let triangles = TriangleRows::new(&positions, &scene.mesh.triangles);
+                let lights = plan.light_transport.then(|| build_lights(scene, &plan, scale, &positions, &spheres));
+                (triangles, lights, start.elapsed().as_secs_f64())
+            },
+        );
+        let lights = lights.transpose()?.flatten();
 
         let start = Instant::now();
-        let triangles = TriangleRows::new(&positions, &scene.mesh.triangles);
-        let lights = if plan.light_transport { build_lights(scene, &plan, scale, &positions, &spheres)? } else { None };
         let tags = if plan.light_transport || plan.cutouts { tag_rows(scene, lights.as_ref()) } else { Rows::new(&[]) };
         let normals = Rows::new(&if plan.shading_normals { normal_rows(scene) } else { Vec::new() });
         let texcoords = Rows::new(&if plan.texcoords { texcoord_rows(scene) } else { Vec::new() });
@@ -138,7 +146,7 @@ impl World {
         let materials = MaterialTable::new(if plan.light_transport { &scene.materials } else { &[] });
         let setup = Setup {
             tree_seconds,
-            tables_seconds: start.elapsed().as_secs_f64(),
+            tables_seconds: lights_seconds + start.elapsed().as_secs_f64(),
             tree: accel.report().clone(),
             row_bytes: triangles.bytes() + tags.bytes() + normals.bytes() + texcoords.bytes(),
             texture_bytes: textures.bytes(),
@@ -193,11 +201,6 @@ impl World {
 
     /// Why all pixels must have the same number of samples, and what to do; `None` if they need not.
     pub fn needs_equal_samples(&self) -> Option<&'static str> {
-        if self.light_paths.is_some() {
-            return Some(
-                "paths from the lights reach every pixel alike; give --light-paths off, or leave --adaptive out",
-            );
-        }
         let gathers = self.integrator.kind == IntegratorKind::Gather;
         gathers.then_some("directions that `gather` shares are no samples of a pixel alone; leave --adaptive out")
     }

@@ -12,6 +12,7 @@
 use super::budget::{Budget, MAX_SAMPLES};
 use super::pass::Pass;
 use super::pilot::{Pilot, REPLICATES};
+use super::splats::SplatSums;
 use crate::film::{Film, Rect};
 use crate::kernel::Counters;
 use rayon::prelude::*;
@@ -24,6 +25,8 @@ const PILOT_SHARE: u64 = 8;
 const MOST_SAMPLES: u64 = 64;
 /// … and where the budget is in seconds, these, or one if they would last too long.
 const TIMED_SAMPLES: u64 = 4;
+/// Samples whose light paths are traced before the pilot.
+const SPLATS_FIRST: u64 = 16;
 /// Weight of an even share beside the pilot's, at least.
 const EVEN_SHARE: f64 = 0.1;
 /// Numbers of samples go from 2^LEAST to 2^MOST times the average: powers of two, at which Sobol' points are most even.
@@ -47,7 +50,8 @@ pub struct AdaptiveReport {
     pub most: u64,
     /// Their mean over pixels.
     pub mean: f64,
-    /// Mean of the image over the pilot's, less 1: about 0 where dividing the samples added no bias.
+    /// Mean of the image over the pilot's, less 1, both without what light paths bring: about 0 where dividing the samples added
+    /// no bias.
     pub bias: f64,
     /// Half the width of a 95 % interval around it.
     pub bias_half_width: f64,
@@ -88,20 +92,33 @@ impl Rates {
 
     /// By a pilot that takes an eighth of the budget at most; `None` if that is too little for one, or the user
     /// interrupts. Its rays are added to `counters`. In the current thread pool.
-    pub fn find(pass: &Pass, film: &Film, budget: &Budget, counters: &mut Counters) -> Option<Self> {
+    ///
+    /// Light paths of the first samples come before it, to show how bright their light is. They are kept: pixels are given what
+    /// they bring whatever their samples.
+    pub fn find(
+        pass: &Pass,
+        film: &Film,
+        budget: &Budget,
+        mut splats: Option<&mut SplatSums>,
+        counters: &mut Counters,
+    ) -> Option<Self> {
         let start = Instant::now();
         let count = match budget.samples {
             Some(samples) => replicate_samples(samples)?,
             None => TIMED_SAMPLES,
         };
-        let mut pilot = Pilot::run(pass, film, if budget.seconds.is_some() { 1 } else { count }, counters)?;
+        if let (Some(light), Some(splats)) = (pass.light, splats.as_deref_mut()) {
+            splats.trace_to(pass.world, light, SPLATS_FIRST.min(count), counters);
+        }
+        let splats = splats.as_deref();
+        let mut pilot = Pilot::run(pass, film, if budget.seconds.is_some() { 1 } else { count }, splats, counters)?;
         if let Some(limit) = budget.seconds {
             let left = limit / PILOT_SHARE as f64 - pilot.seconds;
             if left < 0.0 {
                 return None;
             }
             if pilot.seconds * count as f64 <= left {
-                pilot = Pilot::run(pass, film, count, counters)?;
+                pilot = Pilot::run(pass, film, count, splats, counters)?;
             }
         }
         Some(Self::of(&pilot, film, start.elapsed().as_secs_f64()))

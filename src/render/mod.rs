@@ -27,6 +27,7 @@ use adaptive::{AdaptiveReport, Rates};
 use budget::Pacer;
 use pass::Pass;
 use rayon::prelude::*;
+use splats::SplatSums;
 use std::time::Instant;
 
 /// How to render, apart from what the scene says.
@@ -44,7 +45,7 @@ pub struct Options {
     /// nothing better.
     pub output_seconds: f64,
     /// Divide the samples by a [pilot](adaptive): the film must be empty and begin with sample 0, the integrator follow
-    /// paths, none of them from the lights.
+    /// paths.
     pub adaptive: bool,
 }
 
@@ -164,7 +165,8 @@ pub fn render_by(
     // Fresh memory costs page faults, which would pass for the price of samples.
     pool.install(|| film.tiles_mut().par_iter_mut().for_each(TileFilm::begin));
     let mut counters = Counters::default();
-    let find = || pool.install(|| Rates::find(&pass, &film, &options.budget, &mut counters));
+    let mut splats = (options.adaptive && pass.light.is_some()).then(|| SplatSums::new(world));
+    let find = || pool.install(|| Rates::find(&pass, &film, &options.budget, splats.as_mut(), &mut counters));
     let rates = options.adaptive.then(find).flatten();
     let (mut done, mut next) = (film.samples(), film.next_sample());
     let most = done + rates.as_ref().map_or(budget::MAX_SAMPLES, |_| Rates::MOST_SAMPLES) - next;
@@ -180,7 +182,11 @@ pub fn render_by(
             Err(reason) => break reason,
         };
         let pass_start = Instant::now();
-        counters.add(&pool.install(|| pass.run(film.tiles_mut(), rates.as_ref(), next, next + samples)));
+        let (tiles, end) = (film.tiles_mut(), next + samples);
+        counters.add(&pool.install(|| match &rates {
+            Some(rates) => pass.run_at_rates(tiles, rates, splats.as_mut(), end),
+            None => pass.run(tiles, next, end),
+        }));
         if interrupt::presses() > 0 {
             break StoppedBy::Interrupt;
         }
@@ -199,5 +205,8 @@ pub fn render_by(
     };
     let render_seconds = start.elapsed().as_secs_f64();
     let adaptive = rates.map(|rates| pool.install(|| rates.report(&film)));
+    if let Some(splats) = splats.filter(|_| adaptive.is_some()) {
+        pool.install(|| splats.add_to(&mut film));
+    }
     Outcome { film, stopped_by, counters, render_seconds, adaptive }
 }

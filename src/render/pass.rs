@@ -3,7 +3,7 @@
 use super::JobKernel;
 use super::adaptive::Rates;
 use super::interrupt;
-use super::splats::Splats;
+use super::splats::{SplatSums, Splats};
 use crate::film::{AovSample, TileFilm};
 use crate::kernel::{Counters, Job, LightKernel, SampleBuffer, World};
 use rayon::prelude::*;
@@ -29,12 +29,25 @@ thread_local! {
 }
 
 impl Pass<'_> {
-    /// Samples `first … end` of all tiles; with rates, of a tile of average rate.
-    pub fn run(&self, tiles: &mut [TileFilm], rates: Option<&Rates>, first: u64, end: u64) -> Counters {
-        if let Some(rates) = rates {
-            let end = |tile: usize| rates.end(tile, end);
-            return total(tiles.par_iter_mut().enumerate().map(|(k, tile)| self.render_tile(tile, 0, end(k), None)));
+    /// Samples to `end` of a tile of average rate, others by their rates, and as many of the light paths, which reach all tiles alike.
+    pub fn run_at_rates(
+        &self,
+        tiles: &mut [TileFilm],
+        rates: &Rates,
+        splats: Option<&mut SplatSums>,
+        end: u64,
+    ) -> Counters {
+        let mut counters = Counters::default();
+        if let (Some(light), Some(splats)) = (self.light, splats) {
+            splats.trace_to(self.world, light, end, &mut counters);
         }
+        let end = |tile: usize| rates.end(tile, end);
+        counters.add(&total(tiles.par_iter_mut().enumerate().map(|(k, tile)| self.render_tile(tile, 0, end(k), None))));
+        counters
+    }
+
+    /// Samples `first … end` of all tiles.
+    pub fn run(&self, tiles: &mut [TileFilm], first: u64, end: u64) -> Counters {
         let Some(light) = self.light else { return self.render_tiles(tiles, first, end, None) };
         let mut counters = Counters::default();
         let at_once = Splats::samples_at_once(self.world);

@@ -2,6 +2,7 @@
 
 use super::interrupt;
 use super::pass::{Pass, SLOTS};
+use super::splats::SplatSums;
 use crate::film::{Film, Rect};
 use crate::kernel::{Counters, Job, REUSE_SIDE};
 use crate::sampling::child_key;
@@ -38,8 +39,15 @@ struct Square {
 }
 
 impl Pilot {
-    /// With so many samples in each replicate, in the current thread pool; `None` once the user interrupts.
-    pub fn run(pass: &Pass, film: &Film, samples: u64, counters: &mut Counters) -> Option<Self> {
+    /// With so many samples in each replicate, in the current thread pool; `None` once the user interrupts. Light paths are not in
+    /// it, but count where errors are set against brightness.
+    pub fn run(
+        pass: &Pass,
+        film: &Film,
+        samples: u64,
+        splats: Option<&SplatSums>,
+        counters: &mut Counters,
+    ) -> Option<Self> {
         let start = Instant::now();
         let side = film.tile_side() * SQUARE;
         let (width, height) = (film.width(), film.height());
@@ -51,7 +59,7 @@ impl Pilot {
             width: side.min(width - x),
             height: side.min(height - y),
         });
-        let squares: Vec<_> = rects.map(|rect| Square::run(pass, rect, samples as u32)).collect();
+        let squares: Vec<_> = rects.map(|rect| Square::run(pass, rect, samples as u32, splats)).collect();
         squares.iter().for_each(|square| counters.add(&square.counters));
         let (samples, seconds) = (samples * u64::from(REPLICATES), start.elapsed().as_secs_f64());
         (interrupt::presses() == 0).then_some(Pilot { squares, across, side, samples, seconds })
@@ -77,7 +85,7 @@ impl Pilot {
 }
 
 impl Square {
-    fn run(pass: &Pass, rect: Rect, samples: u32) -> Self {
+    fn run(pass: &Pass, rect: Rect, samples: u32, splats: Option<&SplatSums>) -> Self {
         let mut means = vec![[[0.0; 3]; REPLICATES as usize]; rect.pixels()];
         let mut counters = Counters::default();
         for replicate in 0..REPLICATES {
@@ -95,7 +103,10 @@ impl Square {
             });
         }
         let mut square = Square { rect, error: Vec::with_capacity(means.len()), mean: 0.0, variance: 0.0, counters };
-        means.iter().for_each(|replicates| square.add(replicates));
+        let places = (rect.y..rect.y + rect.height).flat_map(|y| (rect.x..rect.x + rect.width).map(move |x| (x, y)));
+        for ((x, y), replicates) in places.zip(&means) {
+            square.add(replicates, splats.map_or([0.0; 3], |splats| splats.mean(x, y)));
+        }
         square.add_blocks(&means);
         square
     }
@@ -117,15 +128,16 @@ impl Square {
         }
     }
 
-    /// The next pixel.
-    fn add(&mut self, replicates: &[[f64; 3]; REPLICATES as usize]) {
+    /// The next pixel, to whose mean light paths add `splats`.
+    fn add(&mut self, replicates: &[[f64; 3]; REPLICATES as usize], splats: [f64; 3]) {
         let mut error = [0.0; 3];
         for c in 0..3 {
             let values = replicates.map(|replicate| replicate[c]);
             let (earlier, later) = values.split_at(values.len() / 2);
             let mean = mean_and_variance(&values)[0];
+            let bright = mean + splats[c];
             for (error, part) in error.iter_mut().zip([&values[..], earlier, later]) {
-                *error += mean_and_variance(part)[1] / (mean * mean + 0.01);
+                *error += mean_and_variance(part)[1] / (bright * bright + 0.01);
             }
             self.mean += mean;
         }

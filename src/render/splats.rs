@@ -2,7 +2,7 @@
 //! of threads and size of a job.
 
 use super::interrupt;
-use crate::film::Rect;
+use crate::film::{Film, Rect};
 use crate::kernel::{Counters, LightJob, LightKernel, Splat, World};
 use rayon::prelude::*;
 
@@ -60,6 +60,60 @@ impl Splats {
             for (slot, image) in slots.iter_mut().zip(images) {
                 *slot = std::array::from_fn(|c| slot[c] + image[pixel][c]);
             }
+        }
+    }
+}
+
+/// What light paths add to pixels whose numbers of samples differ: an estimate of its own, by a number of samples of its own, with
+/// its variance.
+pub struct SplatSums {
+    width: usize,
+    samples: u64,
+    /// Σx and Σx² of each pixel, by channel.
+    sums: Vec<[[f64; 2]; 3]>,
+}
+
+impl SplatSums {
+    /// Nothing yet.
+    pub fn new(world: &World) -> Self {
+        let sums = vec![[[0.0; 2]; 3]; pixels(world)];
+        SplatSums { width: world.film.width as usize, samples: 0, sums }
+    }
+
+    /// Traces the light paths of samples up to `end`, or as far as the user does not interrupt.
+    pub fn trace_to(&mut self, world: &World, kernel: LightKernel, end: u64, counters: &mut Counters) {
+        while self.samples < end {
+            let samples = Splats::samples_at_once(world).min(end - self.samples);
+            let Some(splats) = Splats::trace(world, kernel, self.samples, samples, counters) else { return };
+            let pixels = self.sums.par_iter_mut().enumerate();
+            pixels.for_each(|(pixel, sums)| splats.images.iter().for_each(|image| add(sums, image[pixel])));
+            self.samples += samples;
+        }
+    }
+
+    /// Of a pixel.
+    pub fn mean(&self, x: u32, y: u32) -> [f64; 3] {
+        let n = self.samples.max(1) as f64;
+        self.sums[y as usize * self.width + x as usize].map(|[sum, _]| sum / n)
+    }
+
+    /// Adds it to the means of a film's pixels, and its variance to theirs.
+    pub fn add_to(&self, film: &mut Film) {
+        let n = self.samples.max(1) as f64;
+        film.tiles_mut().par_iter_mut().for_each(|tile| {
+            tile.add_estimate(|x, y| {
+                let sums = self.sums[y as usize * self.width + x as usize];
+                sums.map(|[sum, squares]| [sum / n, (squares - sum * sum / n).max(0.0) / (n * (n - 1.0).max(1.0))])
+            });
+        });
+    }
+}
+
+/// Another sample of a pixel; no more than its finite values, as on a film.
+fn add(sums: &mut [[f64; 2]; 3], sample: [f32; 3]) {
+    if sample.iter().all(|value| value.is_finite()) {
+        for ([sum, squares], value) in sums.iter_mut().zip(sample.map(f64::from)) {
+            (*sum, *squares) = (*sum + value, *squares + value * value);
         }
     }
 }

@@ -77,3 +77,25 @@ fn relative_error_by_hand() {
     let expected = (1.0f64 / 1.01 / 6.0).sqrt();
     assert!((film.relative_error().unwrap() - expected).abs() <= 4.0 * f64::EPSILON * expected);
 }
+
+/// An estimate of something else is added to the mean, and its variance to that of the mean.
+#[test]
+fn estimates_are_added_with_their_variances() {
+    for samples in [2u64, 37, 64, 100, 256] {
+        let mut film = rendered((3, 2), 2, FilmChannels::ColourAndAovs, samples, 50);
+        let before = film.clone();
+        let added = |x: u32, y: u32, c: usize| [0.5 + f64::from(x) + 10.0 * c as f64, 0.01 * f64::from(1 + y)];
+        film.tiles_mut().iter_mut().for_each(|tile| tile.add_estimate(|x, y| [0, 1, 2].map(|c| added(x, y, c))));
+        for (y, x) in (0..2).flat_map(|y| (0..3).map(move |x| (y, x))) {
+            let (mean, variance) = (before.mean(x, y), before.variance_of_mean(x, y).unwrap());
+            let (with, variance_with) = (film.mean(x, y), film.variance_of_mean(x, y).unwrap());
+            for c in 0..3 {
+                let ([more, more_variance], scale) = (added(x, y, c), mean[c] + 30.0);
+                assert!((with[c] - mean[c] - more).abs() < 1e-13 * scale, "{samples}: {} {}", with[c], mean[c] + more);
+                let error = variance_with[c] - variance[c] - more_variance;
+                assert!(error.abs() < 1e-11 * (variance[c] + scale * scale), "{samples}: off by {error}");
+            }
+            assert_eq!(film.pixel(x, y).aovs(), before.pixel(x, y).aovs());
+        }
+    }
+}
