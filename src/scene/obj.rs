@@ -2,20 +2,23 @@
 
 use super::error::SceneError;
 use super::notes::Notes;
-use super::obj_feed::{Feed, Outline};
+use super::obj_feed::{Feed, Lines, Outline};
 use super::transform::{Transform, unit};
 use super::{Mesh, NO_NORMAL};
 use glam::DVec3;
-use std::cell::RefCell;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
+use std::sync::mpsc::{Receiver, sync_channel};
 
 /// A parsed OBJ file. The material index of a model counts in [`Outline::materials`].
 pub(super) struct Obj {
     pub outline: Outline,
     models: Vec<tobj::Model>,
 }
+
+/// How far the reading of a file may be ahead of tobj, in chunks.
+const CHUNKS_AHEAD: usize = 8;
 
 /// Reads and checks an OBJ file; libraries are not opened.
 pub(super) fn read(file: &Path, notes: &mut Notes) -> Result<Obj, SceneError> {
@@ -25,15 +28,15 @@ pub(super) fn read(file: &Path, notes: &mut Notes) -> Result<Obj, SceneError> {
     {
         return Err(SceneError::whole(file, "is a folder", "name an .obj file"));
     }
-    let outline = RefCell::new(Outline::default());
-    let mut feed = Feed::new(BufReader::with_capacity(1 << 16, opened), file, notes, &outline);
-    let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
-    let parsed = tobj::load_obj_buf(&mut feed, &options, |number| {
-        let name = number.to_string_lossy().into_owned();
-        let material = tobj::Material { name: name.clone(), ..Default::default() };
-        Ok((vec![material], [(name, 0)].into_iter().collect()))
+    let feed = Feed::new(BufReader::with_capacity(1 << 16, opened), file);
+    let (sender, receiver) = sync_channel(CHUNKS_AHEAD);
+    let (outline, parsed) = std::thread::scope(|scope| {
+        let feeding = scope.spawn(move || feed.send(&sender));
+        let parsed = parse(receiver);
+        (feeding.join(), parsed)
     });
-    let mut outline = outline.into_inner();
+    let mut outline = outline.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    outline.warn(file, notes);
     if let Some(error) = outline.error.take().or_else(|| outline.beyond_the_end(file)) {
         return Err(error);
     }
@@ -43,6 +46,16 @@ pub(super) fn read(file: &Path, notes: &mut Notes) -> Result<Obj, SceneError> {
         return Err(SceneError::whole(file, "holds no faces", "export polygons (`f` lines)"));
     }
     Ok(Obj { outline, models })
+}
+
+/// Takes the receiver along: where tobj gives up, the feed is to stop.
+fn parse(lines: Receiver<std::io::Result<String>>) -> tobj::LoadResult {
+    let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
+    tobj::load_obj_buf(&mut Lines::new(lines), &options, |number| {
+        let name = number.to_string_lossy().into_owned();
+        let material = tobj::Material { name: name.clone(), ..Default::default() };
+        Ok((vec![material], [(name, 0)].into_iter().collect()))
+    })
 }
 
 /// How a mesh joins the scene.

@@ -2,17 +2,17 @@
 //!
 //! tobj names no line in its errors, accepts NaN, panics on some bad indices, and invents normals and materials where
 //! a face has none. So each line is judged here first, where its number is known, and only what octolux renders goes
-//! on: `v`, `vn`, `f`, and a number in place of each material's name.
+//! on: `v`, `vn`, `f`, and a number in place of each material's name. Judging takes as long as tobj does, so it has a thread of its own.
 
 use super::domain::FINITE;
 use super::error::SceneError;
 use super::notes::Notes;
-use std::cell::RefCell;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 use std::io::{BufRead, Read};
 use std::ops::Range;
 use std::path::Path;
+use std::sync::mpsc::{Receiver, SyncSender};
 
 /// A `usemtl` name.
 pub(super) struct MaterialUse {
@@ -50,55 +50,72 @@ pub(super) struct Outline {
     texcoords: usize,
     /// The largest index of positions, texture coordinates and normals (from 1) that any face named, with its line.
     largest: [(usize, usize); 3],
+    /// Keys that are not honoured: the first line of each, and why.
+    passed_over: BTreeMap<String, (usize, &'static str)>,
     pub error: Option<SceneError>,
 }
 
 /// More of anything than this is an error: indices must fit 32 bits with [`NO_NORMAL`](super::NO_NORMAL) left over.
 const MOST: usize = u32::MAX as usize - 1;
 
+/// Bytes that are sent at once, about.
+const CHUNK: usize = 1 << 15;
+
 /// The kinds of index in a face corner, in the order they are written.
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
-/// A reader of canonical lines. The outline is shared with the caller, who loses sight of the feed inside tobj.
+/// Makes canonical lines of an OBJ file's, some at a time.
 pub(super) struct Feed<'a, B> {
     source: B,
     file: &'a Path,
-    notes: &'a mut Notes,
-    outline: &'a RefCell<Outline>,
+    outline: Outline,
     numbers: HashMap<String, usize>,
     current: Option<usize>,
     smoothing: bool,
     line: usize,
     raw: Vec<u8>,
     ready: String,
-    taken: usize,
 }
 
 impl<'a, B: BufRead> Feed<'a, B> {
-    pub fn new(source: B, file: &'a Path, notes: &'a mut Notes, outline: &'a RefCell<Outline>) -> Self {
+    pub fn new(source: B, file: &'a Path) -> Self {
         Self {
             source,
             file,
-            notes,
-            outline,
+            outline: Outline::default(),
             numbers: HashMap::new(),
             current: None,
             smoothing: false,
             line: 0,
             raw: Vec::new(),
             ready: String::new(),
-            taken: 0,
+        }
+    }
+
+    /// Sends the file to a reader on another thread, up to its end or an error, or as far as it listens.
+    pub fn send(mut self, lines: &SyncSender<std::io::Result<String>>) -> Outline {
+        loop {
+            let chunk = self.refill().map(|()| std::mem::take(&mut self.ready));
+            let last = chunk.as_ref().map_or(true, String::is_empty);
+            if lines.send(chunk).is_err() || last {
+                return self.outline;
+            }
         }
     }
 
     /// Puts the next canonical lines into `ready`; leaves it empty at the end of the file and after an error.
     fn refill(&mut self) -> std::io::Result<()> {
-        const ENOUGH: usize = 1 << 15;
         self.ready.clear();
-        self.taken = 0;
-        let shared = self.outline;
-        let outline = &mut *shared.borrow_mut();
-        while self.ready.len() < ENOUGH && outline.error.is_none() {
+        self.ready.reserve(CHUNK + 256);
+        // Apart from `self`, which is lent as a whole.
+        let mut outline = std::mem::take(&mut self.outline);
+        let read = self.refill_by(&mut outline);
+        self.outline = outline;
+        read
+    }
+
+    fn refill_by(&mut self, outline: &mut Outline) -> std::io::Result<()> {
+        while self.ready.len() < CHUNK && outline.error.is_none() {
             self.raw.clear();
             if self.source.read_until(b'\n', &mut self.raw)? == 0 {
                 break;
@@ -140,14 +157,9 @@ impl<'a, B: BufRead> Feed<'a, B> {
                 Ok(())
             }
             "o" | "g" => Ok(()),
-            "l" | "p" => self.pass_over(key, "lines and points have no area"),
-            _ => self.pass_over(key, "only polygons are rendered"),
+            "l" | "p" => outline.pass_over(key, self.line, "lines and points have no area"),
+            _ => outline.pass_over(key, self.line, "only polygons are rendered"),
         }
-    }
-
-    fn pass_over(&mut self, key: &str, why: &str) -> Result<(), (String, String)> {
-        self.notes.not_honoured(self.file, self.line, key, why);
-        Ok(())
     }
 
     fn position(&mut self, rest: &str, outline: &mut Outline) -> Result<(), (String, String)> {
@@ -164,9 +176,7 @@ impl<'a, B: BufRead> Feed<'a, B> {
         self.ready.push('\n');
         match words.next().map(number) {
             None | Some(Some(1.0)) => {}
-            _ => {
-                self.notes.not_honoured(self.file, self.line, "v", "what follows x y z (weight or colour) is not used")
-            }
+            _ => outline.pass_over("v", self.line, "what follows x y z (weight or colour) is not used")?,
         }
         outline.positions += 1;
         within_32_bits(outline.positions, "vertices")
@@ -211,7 +221,7 @@ impl<'a, B: BufRead> Feed<'a, B> {
         }
         if with_normal < corners {
             if self.smoothing {
-                self.notes.not_honoured(self.file, self.line, "s", "faces without normals are shaded flat");
+                outline.pass_over("s", self.line, "faces without normals are shaded flat")?;
             }
             let run = outline.triangles..outline.triangles + corners - 2;
             match outline.flat.last_mut() {
@@ -260,6 +270,20 @@ impl<'a, B: BufRead> Feed<'a, B> {
 }
 
 impl Outline {
+    fn pass_over(&mut self, key: &str, line: usize, why: &'static str) -> Result<(), (String, String)> {
+        if !self.passed_over.contains_key(key) {
+            self.passed_over.insert(key.to_owned(), (line, why));
+        }
+        Ok(())
+    }
+
+    /// Warns of what was passed over.
+    pub fn warn(&self, file: &Path, notes: &mut Notes) {
+        let mut passed_over: Vec<_> = self.passed_over.iter().collect();
+        passed_over.sort_by_key(|(_, (line, _))| *line);
+        passed_over.into_iter().for_each(|(key, (line, why))| notes.not_honoured(file, *line, key, why));
+    }
+
     /// The error of an index beyond what has been defined, to be asked where a group of faces ends.
     pub fn beyond_the_end(&self, file: &Path) -> Option<SceneError> {
         let held = [self.positions, self.texcoords, self.normals];
@@ -335,7 +359,20 @@ fn fail<T>(message: impl Into<String>, mend: impl Into<String>) -> Result<T, (St
     Err(broken(message, mend))
 }
 
-impl<B: BufRead> Read for Feed<'_, B> {
+/// What tobj reads: the lines that a [`Feed`] sends.
+pub(super) struct Lines {
+    sent: Receiver<std::io::Result<String>>,
+    ready: String,
+    taken: usize,
+}
+
+impl Lines {
+    pub fn new(sent: Receiver<std::io::Result<String>>) -> Self {
+        Lines { sent, ready: String::new(), taken: 0 }
+    }
+}
+
+impl Read for Lines {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         let mut available = self.fill_buf()?;
         let count = available.read(buffer)?;
@@ -344,10 +381,12 @@ impl<B: BufRead> Read for Feed<'_, B> {
     }
 }
 
-impl<B: BufRead> BufRead for Feed<'_, B> {
+impl BufRead for Lines {
     fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
         if self.taken == self.ready.len() {
-            self.refill()?;
+            // The feed is gone when all is sent.
+            self.ready = self.sent.recv().unwrap_or(Ok(String::new()))?;
+            self.taken = 0;
         }
         Ok(&self.ready.as_bytes()[self.taken..])
     }

@@ -98,12 +98,19 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
     let spheres = spheres(&table.sphere, &mut materials, notes, &text)?;
     // A view shows geometry: an environment image would be read for nothing.
     let lit = table.environment.filter(|_| integrator.kind.transports_light());
-    let environment = lit.map(|table| environment(&table, &text)).transpose()?;
-    let delta_lights = delta_lights(&table.point_light, &table.directional_light, &table.spot_light, &text)?;
+    let delta_lights = || delta_lights(&table.point_light, &table.directional_light, &table.spot_light, &text);
     let mut mesh = Mesh::default();
-    for table in &table.mesh {
-        add_mesh(table, &mut mesh, &mut materials, notes, &text)?;
-    }
+    let mut meshes =
+        || table.mesh.iter().try_for_each(|table| add_mesh(table, &mut mesh, &mut materials, notes, &text));
+    // Decoding an image takes about as long as reading a mesh of its size.
+    let (environment, meshes) = std::thread::scope(|scope| {
+        let environment = scope.spawn(|| lit.map(|table| environment(&table, &text)).transpose());
+        let meshes = meshes();
+        (environment.join(), meshes)
+    });
+    let environment = environment.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+    let delta_lights = delta_lights()?;
+    meshes?;
     let (materials, unused) = materials.finish();
     for name in unused {
         log::warn!("{}: material `{name}` is defined but nothing wears it", file.display());
