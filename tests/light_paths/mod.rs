@@ -139,6 +139,18 @@ fn many_lamps() {
     assert_same_expectation("many lamps", set.finish(), 2048);
 }
 
+/// A lamp so large that surfaces' own directions run into it as often as light samples do.
+#[test]
+fn a_ceiling_that_shines() {
+    let mut set = Set::new([0.0, 1.0, 3.0], [0.0, 0.5, 0.0], 50.0, 24).bounces(3);
+    let (wall, lamp) = (set.grey(0.6, 0.0), set.grey(0.0, 1.0));
+    let glass = set.material(Bsdf::Dielectric { alpha: 0.0, masking: Masking::Correlated, ior: 1.5 }, [0.0; 3]);
+    set.room([wall; 6], [-2.0, 0.0, -2.0], [2.0, 2.0, 4.0]);
+    set.quad(lamp, [[-1.9, 1.9, -1.9], [1.9, 1.9, -1.9], [1.9, 1.9, 3.9], [-1.9, 1.9, 3.9]]);
+    set.sphere(glass, [0.0, 0.3, 0.0], 0.3);
+    assert_same_expectation("a ceiling that shines", set.finish(), 2048);
+}
+
 /// The variance that the film states is that of its means over seeds: splats are counted in it.
 #[test]
 fn variances_hold_over_seeds() {
