@@ -196,7 +196,12 @@ pub fn render_by(
             output = watch.output_seconds(&film).unwrap_or(output);
         }
         watch.pass_done(&film, &counters, start.elapsed().as_secs_f64());
-        let relative_error = || pool.install(|| film.relative_error());
+        let relative_error = || {
+            pool.install(|| match &splats {
+                Some(splats) if rates.is_some() => splats.with(&film).relative_error(),
+                _ => film.relative_error(),
+            })
+        };
         progress.update(done, &counters, start.elapsed().as_secs_f64(), relative_error);
         if pacer.tests_error(done) && relative_error().zip(options.budget.error).is_some_and(|(e, target)| e <= target)
         {
@@ -206,7 +211,7 @@ pub fn render_by(
     let render_seconds = start.elapsed().as_secs_f64();
     let adaptive = rates.map(|rates| pool.install(|| rates.report(&film)));
     if let Some(splats) = splats.filter(|_| adaptive.is_some()) {
-        pool.install(|| splats.add_to(&mut film));
+        film = pool.install(|| splats.with(&film));
     }
     Outcome { film, stopped_by, counters, render_seconds, adaptive }
 }

@@ -97,15 +97,16 @@ impl SplatSums {
         self.sums[y as usize * self.width + x as usize].map(|[sum, _]| sum / n)
     }
 
-    /// Adds it to the means of a film's pixels, and its variance to theirs.
-    pub fn add_to(&self, film: &mut Film) {
-        let n = self.samples.max(1) as f64;
+    /// A film with it added to the means of its pixels, and its variance to theirs.
+    pub fn with(&self, film: &Film) -> Film {
+        let (mut film, n) = (film.clone(), self.samples.max(1) as f64);
         film.tiles_mut().par_iter_mut().for_each(|tile| {
             tile.add_estimate(|x, y| {
                 let sums = self.sums[y as usize * self.width + x as usize];
                 sums.map(|[sum, squares]| [sum / n, (squares - sum * sum / n).max(0.0) / (n * (n - 1.0).max(1.0))])
             });
         });
+        film
     }
 }
 

@@ -8,6 +8,7 @@ use crate::renders::{self, Set};
 use crate::stats;
 use octolux::film::Film;
 use octolux::kernel::Width;
+use octolux::render::Outcome;
 use octolux::sampling::SamplerKind;
 use octolux::scene::{Bsdf, ConductorFresnel, LightPaths, Masking, Scene};
 
@@ -189,6 +190,19 @@ fn beside_divided_samples() {
         assert!(report.bias.abs() < 2.0 * report.bias_half_width, "{report:?}");
         assert_agree(&format!("divided samples, {}", wish.name()), &outcome.film, &off, 3);
     }
+}
+
+/// The error at which to stop is that of the image, in which light paths are.
+#[test]
+fn the_error_of_divided_samples_knows_of_light_paths() {
+    let world = renders::world(&with(shop(false), LightPaths::On), 35);
+    let error = |outcome: &Outcome| outcome.film.relative_error().expect("samples");
+    let first = renders::adaptive_to(&world, 1e3);
+    let wanted = 0.995 * error(&first);
+    let second = renders::adaptive_to(&world, wanted);
+    let reached = error(&second);
+    assert!(reached <= wanted, "{reached} where {wanted} was wanted");
+    assert!(second.film.mean_samples() > first.film.mean_samples());
 }
 
 /// As above, of films whose samples are divided.

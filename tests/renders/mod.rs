@@ -74,6 +74,22 @@ pub fn adaptive_on(
     kernel: Option<JobKernel>,
 ) -> Outcome {
     let budget = Budget { samples: Some(samples), ..Budget::default() };
+    adaptive_within(pool, world, budget, width, kernel)
+}
+
+/// Until the relative error is at most `error`.
+pub fn adaptive_to(world: &World, error: f64) -> Outcome {
+    let budget = Budget { error: Some(error), ..Budget::default() };
+    adaptive_within(shared_pool(), world, budget, Width::native(), None)
+}
+
+fn adaptive_within(
+    pool: &rayon::ThreadPool,
+    world: &World,
+    budget: Budget,
+    width: Width,
+    kernel: Option<JobKernel>,
+) -> Outcome {
     let options = options(How { width, tile: 4 }, budget, true);
     let film = render::empty_film(world, &options, 0);
     let of_world = kernel::select(world, width);
