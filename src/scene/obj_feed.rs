@@ -68,7 +68,6 @@ const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 pub(super) struct Feed<'a, B> {
     source: B,
     file: &'a Path,
-    outline: Outline,
     numbers: HashMap<String, usize>,
     current: Option<usize>,
     smoothing: bool,
@@ -82,7 +81,6 @@ impl<'a, B: BufRead> Feed<'a, B> {
         Self {
             source,
             file,
-            outline: Outline::default(),
             numbers: HashMap::new(),
             current: None,
             smoothing: false,
@@ -94,27 +92,19 @@ impl<'a, B: BufRead> Feed<'a, B> {
 
     /// Sends the file to a reader on another thread, up to its end or an error, or as far as it listens.
     pub fn send(mut self, lines: &SyncSender<std::io::Result<String>>) -> Outline {
+        let mut outline = Outline::default();
         loop {
-            let chunk = self.refill().map(|()| std::mem::take(&mut self.ready));
+            let chunk = self.refill(&mut outline).map(|()| std::mem::take(&mut self.ready));
             let last = chunk.as_ref().map_or(true, String::is_empty);
             if lines.send(chunk).is_err() || last {
-                return self.outline;
+                return outline;
             }
         }
     }
 
     /// Puts the next canonical lines into `ready`; leaves it empty at the end of the file and after an error.
-    fn refill(&mut self) -> std::io::Result<()> {
-        self.ready.clear();
+    fn refill(&mut self, outline: &mut Outline) -> std::io::Result<()> {
         self.ready.reserve(CHUNK + 256);
-        // Apart from `self`, which is lent as a whole.
-        let mut outline = std::mem::take(&mut self.outline);
-        let read = self.refill_by(&mut outline);
-        self.outline = outline;
-        read
-    }
-
-    fn refill_by(&mut self, outline: &mut Outline) -> std::io::Result<()> {
         while self.ready.len() < CHUNK && outline.error.is_none() {
             self.raw.clear();
             if self.source.read_until(b'\n', &mut self.raw)? == 0 {
@@ -157,8 +147,12 @@ impl<'a, B: BufRead> Feed<'a, B> {
                 Ok(())
             }
             "o" | "g" => Ok(()),
-            "l" | "p" => outline.pass_over(key, self.line, "lines and points have no area"),
-            _ => outline.pass_over(key, self.line, "only polygons are rendered"),
+            _ => {
+                let line_or_point = matches!(key, "l" | "p");
+                let why = if line_or_point { "lines and points have no area" } else { "only polygons are rendered" };
+                outline.pass_over(key, self.line, why);
+                Ok(())
+            }
         }
     }
 
@@ -176,7 +170,7 @@ impl<'a, B: BufRead> Feed<'a, B> {
         self.ready.push('\n');
         match words.next().map(number) {
             None | Some(Some(1.0)) => {}
-            _ => outline.pass_over("v", self.line, "what follows x y z (weight or colour) is not used")?,
+            _ => outline.pass_over("v", self.line, "what follows x y z (weight or colour) is not used"),
         }
         outline.positions += 1;
         within_32_bits(outline.positions, "vertices")
@@ -221,7 +215,7 @@ impl<'a, B: BufRead> Feed<'a, B> {
         }
         if with_normal < corners {
             if self.smoothing {
-                outline.pass_over("s", self.line, "faces without normals are shaded flat")?;
+                outline.pass_over("s", self.line, "faces without normals are shaded flat");
             }
             let run = outline.triangles..outline.triangles + corners - 2;
             match outline.flat.last_mut() {
@@ -270,11 +264,10 @@ impl<'a, B: BufRead> Feed<'a, B> {
 }
 
 impl Outline {
-    fn pass_over(&mut self, key: &str, line: usize, why: &'static str) -> Result<(), (String, String)> {
+    fn pass_over(&mut self, key: &str, line: usize, why: &'static str) {
         if !self.passed_over.contains_key(key) {
             self.passed_over.insert(key.to_owned(), (line, why));
         }
-        Ok(())
     }
 
     /// Warns of what was passed over.
