@@ -2,6 +2,7 @@
 
 use super::lanes::{Lanes, ones};
 use super::leaf::EdgeValues;
+use super::lists::{Chosen, Lists};
 use super::node::Child;
 use super::tree::{OneHit, STACK};
 use crate::geometry::{Hit, MISS, Ray, RaySetup};
@@ -64,6 +65,8 @@ pub struct Flight {
     /// First free place of each ray's stack.
     pub top: [u32; RAYS],
     pub candidates: Candidates,
+    pub lists: Lists,
+    pub chosen: Chosen,
     pub stacks: Stacks,
     /// Have the stacks their floors? Nothing is ever written there again.
     floored: bool,
@@ -75,6 +78,8 @@ thread_local! {
         RefCell::new(Flight {
             lanes: Lanes::ZERO,
             best: Best { t: [0.0; RAYS], primitive: [0; RAYS], u: [0.0; RAYS], v: [0.0; RAYS] },
+            lists: Lists::EMPTY,
+            chosen: Chosen::NONE,
             top: [0; RAYS],
             candidates: Candidates { edges: [EdgeValues::ZERO; RAYS], words: [0; 8 * RAYS + 8] },
             stacks: Stacks { t_near: [0.0; RAYS * PLACES], child: [0; RAYS * PLACES] },
@@ -84,11 +89,11 @@ thread_local! {
 }
 
 impl Best {
-    /// Takes `found` where it is a `hit` and better than ray `i`'s.
+    /// Ray `i` keeps what it found if that is better than its best.
     #[inline(always)]
-    pub fn keep(&mut self, i: usize, hit: bool, found: OneHit) {
+    pub fn keep(&mut self, i: usize, found: OneHit) {
         let mut best = OneHit { t: self.t[i], primitive: self.primitive[i], u: self.u[i], v: self.v[i] };
-        best.keep(hit, found);
+        best.keep(found);
         (self.t[i], self.primitive[i], self.u[i], self.v[i]) = (best.t, best.primitive, best.u, best.v);
     }
     /// Of the packet of rays `first` …
@@ -108,8 +113,8 @@ impl Flight {
     /// Lays out the packet of rays `first` …, none of which has hit anything or been given a child.
     #[inline(always)]
     pub fn board<R: Real>(&mut self, first: usize, setup: &RaySetup<R>, t_max: R) {
-        let all = first..first + R::WIDTH;
         self.lanes.set(first, setup, t_max);
+        let all = first..first + R::WIDTH;
         t_max.store(&mut self.best.t[all.clone()]);
         R::Bits::splat(MISS).store(&mut self.best.primitive[all.clone()]);
         R::zero().store(&mut self.best.u[all.clone()]);

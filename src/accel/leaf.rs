@@ -80,7 +80,7 @@ pub trait Leaf: Sized {
     fn closest_of(&self, mut bits: u32, ray: &OneRay<f32>, edges: &EdgeValues, best: &mut OneHit) {
         while bits != 0 {
             let (hit, found) = self.meet_one(bits.trailing_zeros() as usize % 8, ray, edges);
-            best.keep(hit, found);
+            best.keep(OneHit { t: select_unpredictable(hit, found.t, OneHit::NEVER), ..found });
             bits &= bits - 1;
         }
     }
@@ -98,10 +98,10 @@ pub trait Leaf: Sized {
 }
 
 impl OneHit {
-    /// Takes `found` where it is a `hit` and better: nearer, or as near and of a lower primitive.
+    /// Takes `found` if it is better.
     #[inline(always)]
-    pub fn keep(&mut self, hit: bool, found: Self) {
-        let wins = hit & ((found.t < self.t) | (found.t == self.t) & (found.primitive < self.primitive));
+    pub fn keep(&mut self, found: Self) {
+        let wins = found.key() < self.key();
         self.t = select_unpredictable(wins, found.t, self.t);
         self.primitive = select_unpredictable(wins, found.primitive, self.primitive);
         self.u = select_unpredictable(wins, found.u, self.u);

@@ -1,47 +1,92 @@
 //! Which rays of a [`Stream`](super::Stream) are at what.
 
 use super::flight::RAYS;
+use super::node::Child;
+use crate::lane::{Bits, Mask, Real};
 
-/// Rays by the [kind](Child::kind) of what they go to next: nodes to be tested, blocks to be tested, a child to be found,
-/// nothing more.
-pub struct Lists([u8; 4 * RAYS]);
+/// What rays go to next: nodes to be tested, blocks to be tested, a child to be found. See [`Child::kind`].
+pub const NODES: usize = 0;
+pub const BLOCKS: usize = 1;
+pub const POPS: usize = 2;
+const KINDS: usize = 3;
 
-/// How long the lists are, a byte each: in one word, which stays in a register.
+/// Rays and their children are listed eight at a time, whatever follows the last.
+const ROOM: usize = RAYS + 8;
+
+/// Rays by the [kind](Child::kind) of what they go to next, and that beside each: its address then does not wait for the
+/// ray's number.
+pub struct Lists {
+    rays: [[u32; ROOM]; KINDS],
+    children: [[u32; ROOM]; KINDS],
+}
+
+/// How long the lists are.
 #[derive(Clone, Copy, Default)]
-pub struct Counts(u32);
-
-pub const NODES: u32 = 0;
-pub const BLOCKS: u32 = 1;
-pub const POPS: u32 = 2;
+pub struct Counts([usize; KINDS]);
 
 impl Counts {
-    /// How many are in the list of `kind`, which is empty thereafter: what is pushed while it is read overwrites what was
+    /// How many are in the list of `kind`, which is empty thereafter: what is listed while it is read overwrites what was
     /// read, since no list overtakes its reader.
     #[inline(always)]
-    pub fn take(&mut self, kind: u32) -> usize {
-        let count = self.0 >> (8 * kind) & 0xff;
-        self.0 &= !(0xff << (8 * kind));
-        count as usize
+    pub fn take(&mut self, kind: usize) -> usize {
+        core::mem::take(&mut self.0[kind])
     }
     /// Are all rays done?
     #[inline(always)]
     pub fn none(self) -> bool {
-        self.0 << 8 == 0
+        self.0 == [0; KINDS]
     }
 }
 
 impl Lists {
-    pub const EMPTY: Self = Self([0; 4 * RAYS]);
+    pub const EMPTY: Self = Self { rays: [[0; ROOM]; KINDS], children: [[0; ROOM]; KINDS] };
+
+    /// Lists one ray.
+    #[inline(always)]
+    pub fn push(&mut self, counts: &mut Counts, ray: usize, child: Child, kind: usize) {
+        let place = counts.0[kind] % RAYS;
+        self.rays[kind][place] = ray as u32;
+        self.children[kind][place] = child.0;
+        counts.0[kind] += 1;
+    }
+
+    /// Lists the first `count` rays of the list of `kind`, which was [taken](Counts::take), by the `children` they now go to.
+    #[inline(always)]
+    pub fn sort<E: Real>(&mut self, counts: &mut Counts, kind: usize, count: usize, children: &mut Chosen) {
+        // Who is past the end goes nowhere.
+        E::Bits::splat(Child::DONE.0).store(&mut children.0[count..]);
+        for first in (0..count).step_by(E::WIDTH) {
+            let rays = E::Bits::load(&self.rays[kind][first..]);
+            let words = E::Bits::load(&children.0[first..]);
+            let kinds = words.shr::<30>();
+            for kind in 0..KINDS {
+                let bits = kinds.eq(E::Bits::splat(kind as u32)).bits();
+                let place = counts.0[kind].min(RAYS);
+                E::from_bits(rays).compress(bits).to_bits().store(&mut self.rays[kind][place..]);
+                E::from_bits(words).compress(bits).to_bits().store(&mut self.children[kind][place..]);
+                counts.0[kind] += bits.count_ones() as usize;
+            }
+        }
+    }
 
     #[inline(always)]
-    pub fn push(&mut self, counts: &mut Counts, ray: usize, kind: u32) {
-        let shift = 8 * (kind & 3);
-        let place = RAYS as u32 * (kind & 3) + (counts.0 >> shift & (RAYS as u32 - 1));
-        self.0[place as usize] = ray as u8;
-        counts.0 += 1 << shift;
+    pub fn ray(&self, kind: usize, k: usize) -> usize {
+        self.rays[kind][k % RAYS] as usize % RAYS
     }
     #[inline(always)]
-    pub fn at(&self, kind: u32, k: usize) -> usize {
-        self.0[kind as usize * RAYS + k % RAYS] as usize % RAYS
+    pub fn child(&self, kind: usize, k: usize) -> Child {
+        Child(self.children[kind][k % RAYS])
+    }
+}
+
+/// The children that the rays of a list go to.
+pub struct Chosen([u32; ROOM]);
+
+impl Chosen {
+    pub const NONE: Self = Self([0; ROOM]);
+
+    #[inline(always)]
+    pub fn set(&mut self, k: usize, child: Child) {
+        self.0[k % RAYS] = child.0;
     }
 }

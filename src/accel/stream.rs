@@ -10,7 +10,7 @@
 use super::flight::{Best, Candidates, FLIGHT, FLOOR, Flight, RAYS, Rays, Stacks, board, rays};
 use super::lanes::Lanes;
 use super::leaf::Found;
-use super::lists::{BLOCKS, Counts, Lists, NODES, POPS};
+use super::lists::{BLOCKS, Chosen, Counts, Lists, NODES, POPS};
 use super::node::{Child, Node};
 use super::tree::{Block, OneHit, Tree};
 use super::{Accel, Mode, Single, Stream};
@@ -32,9 +32,9 @@ fn packets(accel: &Accel, width: usize) -> usize {
     (if accel.triangle_tree.far { TOGETHER_FAR } else { TOGETHER }) / width
 }
 
-/// Is told of each candidate: the ray, whether it hits, and how.
-pub trait Keep: Fn(&mut Best, usize, bool, OneHit) {}
-impl<F: Fn(&mut Best, usize, bool, OneHit)> Keep for F {}
+/// Is told of each candidate: the ray and how it hits, at [`OneHit::NEVER`] if not.
+pub trait Keep: Fn(&mut Best, usize, OneHit) {}
+impl<F: Fn(&mut Best, usize, OneHit)> Keep for F {}
 
 /// The rays of a flight on their way through a tree.
 struct Walk<'a, B> {
@@ -42,52 +42,56 @@ struct Walk<'a, B> {
     stacks: &'a mut Stacks,
     /// [`Flight::top`], of which this is a copy: through a reference each step would wait for the last one's stores.
     top: [u32; RAYS],
-    child: [Child; RAYS],
-    lists: Lists,
+    lists: &'a mut Lists,
+    chosen: &'a mut Chosen,
 }
 
 impl<B: Block> Walk<'_, B> {
     /// Sends the first rays of a list that was [taken](Counts::take) to the last child of their stacks if they enter it
     /// before their best hit, and else to look for another.
     ///
-    /// A loop of its own: where a push goes, and what was stored, is known when the step before it is finished, and until
-    /// then the processor would hold back whatever is read after it.
+    /// A loop of its own: what was stored is known when the step before it is finished, and until then the processor would
+    /// hold back whatever is read after it. So is the sorting that follows, eight rays at a time and without a branch.
     #[inline(always)]
-    fn send(&mut self, counts: &mut Counts, kind: u32, count: usize, t_best: &[f32; RAYS]) {
+    fn send<E: Real>(&mut self, counts: &mut Counts, kind: usize, count: usize, best: &Best) {
         for k in 0..count {
-            let i = self.lists.at(kind, k);
+            let i = self.lists.ray(kind, k);
             let place = self.top[i] as usize;
             let (t_near, child) = (self.stacks.t_near[place], self.stacks.child[place]);
-            let child = Child(select_unpredictable(t_near <= t_best[i], child, Child::NONE.0));
-            self.child[i] = child;
+            let child = Child(select_unpredictable(t_near <= best.t[i], child, Child::NONE.0));
+            self.chosen.set(k, child);
             if self.tree.far {
                 self.tree.prefetch(child);
             }
-            self.lists.push(counts, i, child.kind());
         }
+        self.lists.sort::<E>(counts, kind, count, self.chosen);
     }
 
-    /// Tests the children of ray `i`'s node and pushes those that are entered before its best hit, the nearest last. The
-    /// top is left at the last child, which is an older one where none is entered.
+    /// Tests the children of the node that ray `k` of the list is at and pushes those that are entered before its best hit,
+    /// the nearest last. The top is left at the last child, which is an older one where none is entered.
     #[inline(always)]
-    fn step<E: Real>(&mut self, i: usize, lanes: &Lanes<RAYS>, t_best: f32) {
+    fn step<E: Real>(&mut self, k: usize, lanes: &Lanes<RAYS>, best: &Best) {
         // Everything that can be out of bounds first: what follows is one block, whose loads fold into broadcasts.
-        let node: &Node = &self.tree.nodes[self.child[i].index()];
+        let node: &Node = &self.tree.nodes[self.lists.child(NODES, k).index()];
+        let i = self.lists.ray(NODES, k);
         let top = self.top[i] as usize;
         let t_nears = &mut self.stacks.t_near[top..top + 8];
         let children = &mut self.stacks.child[top..top + 8];
-        let (bits, t_near, words) = node.entered(&lanes.crossing::<E>(i), E::splat(t_best));
+        let (bits, t_near, words) = node.entered(&lanes.crossing::<E>(i), E::splat(best.t[i]));
         t_near.compress(bits).store(t_nears);
         E::from_bits(words).compress(bits).to_bits().store(children);
         self.top[i] = (top as u32 + bits.count_ones()) - 1;
     }
 
-    /// Takes from the stack of ray `i` those of the last eight children that it enters no more.
+    /// Takes from the stacks of the first rays of a list those of the last eight children that they enter no more.
     #[inline(always)]
-    fn pop<E: Real>(&mut self, i: usize, t_best: f32) {
-        let below = self.top[i] as usize - FLOOR;
-        let open = E::load(&self.stacks.t_near[below..]).le_bits(E::splat(t_best));
-        self.top[i] = below as u32 + (open | 1).ilog2();
+    fn pop_all<E: Real>(&mut self, kind: usize, count: usize, best: &Best) {
+        for k in 0..count {
+            let i = self.lists.ray(kind, k);
+            let below = self.top[i] as usize - FLOOR;
+            let open = E::load(&self.stacks.t_near[below..]).le_bits(E::splat(best.t[i]));
+            self.top[i] = below as u32 + (open | 1).ilog2();
+        }
     }
 
     /// Lists as candidates what the first `count` rays at blocks may hit there; how many.
@@ -95,8 +99,8 @@ impl<B: Block> Walk<'_, B> {
     fn edges<E: Real>(&self, count: usize, lanes: &Lanes<RAYS>, found: &mut Candidates) -> usize {
         let mut passed = [0u32; RAYS];
         for k in 0..count {
-            let i = self.lists.at(BLOCKS, k);
-            let block = &self.tree.blocks[self.child[i].index()];
+            let i = self.lists.ray(BLOCKS, k);
+            let block = &self.tree.blocks[self.lists.child(BLOCKS, k).index()];
             passed[k % RAYS] = block.passed(&lanes.ray::<E>(i), &mut found.edges[k % RAYS]);
         }
         let places = E::Bits::load(&[0, 1, 2, 3, 4, 5, 6, 7]);
@@ -122,10 +126,10 @@ impl<B: Block> Walk<'_, B> {
         }
         for at in eights..len {
             let (k, place) = found.at(at);
-            let i = self.lists.at(BLOCKS, k);
-            let block = &self.tree.blocks[self.child[i].index()];
+            let i = self.lists.ray(BLOCKS, k);
+            let block = &self.tree.blocks[self.lists.child(BLOCKS, k).index()];
             let (hit, found) = block.meet_one(place, &lanes.ray(i), &found.edges[k]);
-            keep(best, i, hit, found);
+            keep(best, i, OneHit { t: select_unpredictable(hit, found.t, OneHit::NEVER), ..found });
         }
     }
 
@@ -140,16 +144,20 @@ impl<B: Block> Walk<'_, B> {
         keep: impl Keep,
     ) {
         let eight: [_; 8] = from_fn(|l| found.at(first + l));
-        let i = map(eight, |(k, _)| self.lists.at(BLOCKS, k));
+        let i = map(eight, |(k, _)| self.lists.ray(BLOCKS, k));
         let ray = lanes.gather::<E>(i);
-        let blocks = map(i, |i| &self.tree.blocks[self.child[i].index()]);
+        let blocks = map(eight, |(k, _)| &self.tree.blocks[self.lists.child(BLOCKS, k).index()]);
         let places = map(eight, |(_, place)| place);
         let found = Found { blocks, places, edges: map(eight, |(k, _)| &found.edges[k]) };
         let (hits, t, u, v) = B::meet(&found, &RaySetup::new(&ray));
-        let hits = (hits & t.lt(ray.t_max)).bits();
+        let t = E::select(hits & t.lt(ray.t_max), t, E::splat(OneHit::NEVER));
+        let mut columns = [[0.0; 8]; 3];
+        for (column, values) in columns.iter_mut().zip([t, u, v]) {
+            values.store(column);
+        }
+        let [t, u, v] = columns;
         for (l, i) in i.into_iter().enumerate() {
-            let hit = OneHit { t: t.lane(l), primitive: blocks[l].id(places[l]), u: u.lane(l), v: v.lane(l) };
-            keep(best, i, hits >> l & 1 != 0, hit);
+            keep(best, i, OneHit { primitive: blocks[l].id(places[l]), t: t[l], u: u[l], v: v[l] });
         }
     }
 }
@@ -161,31 +169,27 @@ pub fn walk<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays, 
     if tree.root == Child::NONE || bits == 0 {
         return;
     }
-    let Flight { lanes, best, stacks, top, candidates, .. } = flight;
-    let mut walk = Walk { tree, stacks, top: *top, child: [tree.root; RAYS], lists: Lists::EMPTY };
+    let Flight { lanes, best, stacks, top, candidates, lists, chosen, .. } = flight;
+    let mut walk = Walk { tree, stacks, top: *top, lists, chosen };
     let mut counts = Counts::default();
-    let first = if given { POPS } else { tree.root.kind() };
     for i in rays(bits) {
-        walk.lists.push(&mut counts, i, first);
+        let kind = if given { POPS } else { tree.root.kind() as usize };
+        walk.lists.push(&mut counts, i, tree.root, kind);
     }
     while !counts.none() {
         let nodes = counts.take(NODES);
         for k in 0..nodes {
-            let i = walk.lists.at(NODES, k);
-            walk.step::<R::Eight>(i, lanes, best.t[i]);
+            walk.step::<R::Eight>(k, lanes, best);
         }
-        walk.send(&mut counts, NODES, nodes, &best.t);
+        walk.send::<R::Eight>(&mut counts, NODES, nodes, best);
         let blocks = counts.take(BLOCKS);
         let found = walk.edges::<R::Eight>(blocks, lanes, candidates);
         walk.meet::<R::Eight>(found, lanes, candidates, best, &keep);
-        for kind in [BLOCKS, POPS] {
-            let count = if kind == BLOCKS { blocks } else { counts.take(POPS) };
-            for k in 0..count {
-                let i = walk.lists.at(kind, k);
-                walk.pop::<R::Eight>(i, best.t[i]);
-            }
-            walk.send(&mut counts, kind, count, &best.t);
-        }
+        walk.pop_all::<R::Eight>(BLOCKS, blocks, best);
+        walk.send::<R::Eight>(&mut counts, BLOCKS, blocks, best);
+        let pops = counts.take(POPS);
+        walk.pop_all::<R::Eight>(POPS, pops, best);
+        walk.send::<R::Eight>(&mut counts, POPS, pops, best);
     }
 }
 
@@ -208,7 +212,8 @@ fn closest<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &m
 /// Which rays of `bits` hit anything of a tree; those that do not are left.
 #[inline(always)]
 pub fn any_of<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays, given: bool) -> Rays {
-    walk::<B, R>(tree, flight, bits, given, |best, i, hit, _| {
+    walk::<B, R>(tree, flight, bits, given, |best, i, found| {
+        let hit = found.t.is_sign_positive();
         best.primitive[i] = select_unpredictable(hit, 0, best.primitive[i]);
         // Nothing on its stack is entered so soon, but the floor.
         best.t[i] = select_unpredictable(hit, f32::NEG_INFINITY, best.t[i]);

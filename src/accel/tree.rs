@@ -89,10 +89,22 @@ pub fn common_octant<R: Real>(setup: &RaySetup<R>, active: R::Mask) -> Option<[u
 /// The best hit so far of one ray.
 #[derive(Clone, Copy, Debug)]
 pub struct OneHit {
-    pub t: f32,
     pub primitive: u32,
+    pub t: f32,
     pub u: f32,
     pub v: f32,
+}
+
+impl OneHit {
+    /// The distance of what is no hit: no [key](OneHit::key) is greater.
+    pub const NEVER: f32 = f32::from_bits(u32::MAX);
+
+    /// Less for better hits: those nearer, or as near and of a lower primitive. Domain: distances that are not negative, and
+    /// [`OneHit::NEVER`].
+    #[inline(always)]
+    pub fn key(&self) -> u64 {
+        u64::from(self.t.to_bits()) << 32 | u64::from(self.primitive)
+    }
 }
 
 #[derive(Clone, Debug)]
