@@ -74,7 +74,8 @@ pub fn arrive<R: Real>(
     let side = one.copysign(seen);
     let ns = Vec3::select(surface.ng.dot(surface.ns).lt(R::zero()), -surface.ns, surface.ns) * side;
     // A shading normal that is turned towards who looks is another to each; those of images have been turned already.
-    let second = if world.plan.textures { second & !maps::bent::<R>(world, paths.hit.primitive, second) } else { second };
+    let second =
+        if world.plan.textures { second & !maps::bent::<R>(world, paths.hit.primitive, second) } else { second };
     let second = second & seen.abs().gt(R::zero()) & ns.dot(wo).ge(seen.abs().min_or(R::splat(LEAST_FACING)));
     let second = lanes_where::<R>(paths.slot, second, |slot| out.shared.first[slot][place::VALID] != 0.0);
     if second.none() {
