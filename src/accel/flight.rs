@@ -9,7 +9,7 @@ use crate::geometry::{Hit, MISS, Ray, RaySetup};
 use crate::lane::{Bits, Mask, Real};
 use std::cell::RefCell;
 
-/// Rays in flight at most.
+/// Rays in flight at most. Found by measuring, with 64 and 96.
 pub const RAYS: usize = 128;
 
 /// Rays as bits.

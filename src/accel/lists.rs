@@ -69,6 +69,11 @@ impl Lists {
         }
     }
 
+    /// What rays go to that were listed between two counts.
+    #[inline(always)]
+    pub fn listed(&self, kind: usize, before: Counts, after: Counts) -> &[u32] {
+        &self.children[kind][before.0[kind]..after.0[kind]]
+    }
     #[inline(always)]
     pub fn ray(&self, kind: usize, k: usize) -> usize {
         self.rays[kind][k % RAYS] as usize % RAYS

@@ -22,16 +22,6 @@ use core::hint::select_unpredictable;
 /// Fewer candidates than this are met one after another, more side by side. Found by measuring.
 const FEW: usize = 4;
 
-/// Rays that are sent at once: with more in flight their stacks leave the nearest cache, and only a [far](Tree::far) tree
-/// makes up for that. Found by measuring.
-const TOGETHER: usize = 64;
-const TOGETHER_FAR: usize = RAYS;
-
-/// Packets of width `width` that are sent at once.
-fn packets(accel: &Accel, width: usize) -> usize {
-    (if accel.triangle_tree.far { TOGETHER_FAR } else { TOGETHER }) / width
-}
-
 /// Is told of each candidate: the ray and how it hits, at [`OneHit::NEVER`] if not.
 pub trait Keep: Fn(&mut Best, usize, OneHit) {}
 impl<F: Fn(&mut Best, usize, OneHit)> Keep for F {}
@@ -60,11 +50,18 @@ impl<B: Block> Walk<'_, B> {
             let (t_near, child) = (self.stacks.t_near[place], self.stacks.child[place]);
             let child = Child(select_unpredictable(t_near <= best.t[i], child, Child::NONE.0));
             self.chosen.set(k, child);
-            if self.tree.far {
-                self.tree.prefetch(child);
+        }
+        let before = *counts;
+        self.lists.sort::<E>(counts, kind, count, self.chosen);
+        if self.tree.far {
+            // By kind: then nobody's child is fetched, and no choice is made for each.
+            for child in self.lists.listed(NODES, before, *counts) {
+                self.tree.prefetch_node(Child(*child));
+            }
+            for child in self.lists.listed(BLOCKS, before, *counts) {
+                self.tree.prefetch_block(Child(*child));
             }
         }
-        self.lists.sort::<E>(counts, kind, count, self.chosen);
     }
 
     /// Tests the children of the node that ray `k` of the list is at and pushes those that are entered before its best hit,
@@ -255,7 +252,7 @@ impl Mode for Stream {
         if R::WIDTH == 1 {
             return Single::closest_many(accel, rays, active, hits);
         }
-        let packets = packets(accel, R::WIDTH);
+        let packets = RAYS / R::WIDTH;
         for ((rays, active), hits) in rays.chunks(packets).zip(active.chunks(packets)).zip(hits.chunks_mut(packets)) {
             closest(accel, rays, active, hits);
         }
@@ -265,7 +262,7 @@ impl Mode for Stream {
         if R::WIDTH == 1 {
             return Single::any_many(accel, rays, active, found);
         }
-        let packets = packets(accel, R::WIDTH);
+        let packets = RAYS / R::WIDTH;
         for ((rays, active), found) in rays.chunks(packets).zip(active.chunks(packets)).zip(found.chunks_mut(packets)) {
             any(accel, rays, active, found);
         }

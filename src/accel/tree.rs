@@ -156,6 +156,16 @@ impl<B: Block> Tree<B> {
         // Blocks of triangles have a line more, those of spheres one less.
         prefetch_second(select_unpredictable(is_leaf, block.wrapping_add(size_of::<B>() / 64 - 1), node));
     }
+    /// [`Tree::prefetch`] where `child` is known to be a node.
+    #[inline(always)]
+    pub fn prefetch_node(&self, child: Child) {
+        prefetch_second(self.nodes.as_ptr().wrapping_add(child.index()));
+    }
+    /// [`Tree::prefetch`] where `child` is known to be a block.
+    #[inline(always)]
+    pub fn prefetch_block(&self, child: Child) {
+        prefetch_second(self.blocks.as_ptr().wrapping_add(child.index()));
+    }
     pub fn node_bytes(&self) -> usize {
         core::mem::size_of_val(self.nodes.as_slice())
     }
