@@ -107,10 +107,14 @@ impl SceneArgs {
 }
 
 pub fn parse_size(text: &str) -> Result<FilmSize, String> {
-    let side = |s: &str| s.parse::<u32>().ok().filter(|n| (1..=65_536).contains(n));
+    let side = |s: &str| s.parse().ok();
     text.split_once('x')
         .and_then(|(w, h)| Some(FilmSize { width: side(w)?, height: side(h)? }))
-        .ok_or_else(|| "write WIDTHxHEIGHT, each 1 to 65536, as in 640x480".to_string())
+        .filter(|size| size.is_possible())
+        .ok_or_else(|| {
+            let most = FilmSize::MOST_PIXELS;
+            format!("write WIDTHxHEIGHT, each 1 to 65536 and at most {most} pixels in all, as in 640x480")
+        })
 }
 
 pub fn parse_lanes(text: &str) -> Result<Width, String> {

@@ -127,6 +127,11 @@ impl Film {
         all
     }
 
+    /// Adds what was dropped of an estimate [added](TileFilm::add_estimate) to it.
+    pub fn note_discarded(&mut self, discarded: &Discarded) {
+        self.tiles.iter_mut().take(1).for_each(|tile| tile.discarded.absorb(discarded));
+    }
+
     /// The estimated relative error E = √(mean over pixels and channels of var/(mean² + 0.01)), var being the variance
     /// of the mean; `None` while some pixel has fewer than two samples, or without pixels.
     ///

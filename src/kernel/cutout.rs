@@ -54,7 +54,9 @@ fn pass<R: Real, M: Mode>(
     let mut undecided = active & hit.valid();
     let mut u = None;
     for layer in 0..MAX_LAYERS {
-        let opacity = opacity(world, &rest.at(hit.t), &hit, undecided);
+        // Distances count from where the ray began, whatever it has passed.
+        let near = ray.at(hit.t);
+        let opacity = opacity(world, &near, &hit, undecided);
         let partial = undecided & opacity.lt(R::one());
         if partial.none() {
             break;
@@ -64,7 +66,7 @@ fn pass<R: Real, M: Mode>(
         if passes.none() {
             break;
         }
-        let behind = leave(world, &rest.at(hit.t), &hit, ray.direction, passes);
+        let behind = leave(world, &near, &hit, ray.direction, passes);
         rest.origin = Vec3::select(passes, behind, rest.origin);
         let passed = (rest.origin - ray.origin).dot(ray.direction);
         let mut next = world.closest::<R, M>(&rest, passes);

@@ -66,6 +66,13 @@ pub(super) fn apply<R: Real>(
     }
 }
 
+/// Lanes of `active` in which an image says the shading normal, which is then turned towards the viewer.
+#[inline(never)]
+pub(super) fn bent<R: Real>(world: &World, primitive: R::Bits, active: R::Mask) -> R::Mask {
+    let [material, _] = world.tags.fetch::<R>(primitive, active);
+    active & world.textures.maps::<R>(material.to_int(), active)[NORMAL].gt(R::zero())
+}
+
 /// Colours, roughness, metal and emission.
 #[inline(always)]
 fn shade<R: Real>(world: &World, material: &mut MaterialAt<R>, maps: &[R; 16], uv: [R; 2], active: R::Mask) {

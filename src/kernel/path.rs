@@ -108,7 +108,7 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
     let outward = -paths.ray.direction;
     let mut shared = R::Mask::splat(false);
     if world.plan.path_reuse {
-        shared = reuse::arrive(surface, paths, scatters, out);
+        shared = reuse::arrive(world, surface, paths, scatters, out);
     }
     if world.plan.shading_normals {
         surface.face(outward);

@@ -15,11 +15,12 @@ use super::pilot::{Pilot, REPLICATES};
 use super::splats::SplatSums;
 use crate::film::{Film, Rect};
 use crate::kernel::Counters;
+use crate::process::seconds_since_process_start;
 use rayon::prelude::*;
 use std::fmt;
 use std::time::Instant;
 
-/// The pilot takes at most one in so many samples or seconds.
+/// The pilot takes at most one in so many samples, or seconds that are left.
 const PILOT_SHARE: u64 = 8;
 /// Samples of a replicate: no more than this, however large the budget …
 const MOST_SAMPLES: u64 = 64;
@@ -90,6 +91,9 @@ impl Rates {
     /// Samples that a tile of average rate may have.
     pub const MOST_SAMPLES: u64 = MAX_SAMPLES >> MOST;
 
+    /// Fewest samples of the average tile at which every tile has one.
+    pub const FEWEST_SAMPLES: u64 = 1 << -LEAST;
+
     /// By a pilot that takes an eighth of the budget at most; `None` if that is too little for one, or the user
     /// interrupts. Its rays are added to `counters`. In the current thread pool.
     ///
@@ -103,6 +107,10 @@ impl Rates {
         counters: &mut Counters,
     ) -> Option<Self> {
         let start = Instant::now();
+        let left = budget.seconds.map(|limit| (limit - seconds_since_process_start()) / PILOT_SHARE as f64);
+        if left.is_some_and(|left| left <= 0.0) {
+            return None;
+        }
         let count = match budget.samples {
             Some(samples) => replicate_samples(samples)?,
             None => TIMED_SAMPLES,
@@ -111,9 +119,9 @@ impl Rates {
             splats.trace_to(pass.world, light, SPLATS_FIRST.min(count), counters);
         }
         let splats = splats.as_deref();
-        let mut pilot = Pilot::run(pass, film, if budget.seconds.is_some() { 1 } else { count }, splats, counters)?;
-        if let Some(limit) = budget.seconds {
-            let left = limit / PILOT_SHARE as f64 - pilot.seconds;
+        let mut pilot = Pilot::run(pass, film, if left.is_some() { 1 } else { count }, splats, counters)?;
+        if let Some(left) = left {
+            let left = left - start.elapsed().as_secs_f64();
             if left < 0.0 {
                 return None;
             }

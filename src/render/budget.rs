@@ -102,7 +102,8 @@ impl Pacer {
     /// started, `output` the seconds that writing the image will take.
     ///
     /// A pass starts only if it is predicted to end within the limit. The image is written within it, too, unless one
-    /// sample a pixel takes more than 5 % of the time: then it may be late by that excess, so that 95 % are used.
+    /// sample a pixel takes more than 5 % of the time: then it may be late by that excess, so that 95 % are used. Where
+    /// nothing is rendered yet a sample a pixel is, however late: nothing at all would be of no use to anybody.
     pub fn next(&self, done: u64, now: f64, output: f64) -> Result<u64, StoppedBy> {
         let left = self.budget.samples.unwrap_or(MAX_SAMPLES).min(MAX_SAMPLES).saturating_sub(done);
         if left == 0 {
@@ -113,7 +114,8 @@ impl Pacer {
             Some(limit) if now + size as f64 * self.seconds_per_sample + self.reserve(limit, output) > limit => {
                 // During calibration a smaller pass may still fit; afterwards all are equal.
                 let one_fits = now + self.seconds_per_sample + self.reserve(limit, output) <= limit;
-                if !self.settled && one_fits && size > 1 { Ok(1) } else { Err(StoppedBy::Time) }
+                let smaller = !self.settled && one_fits && size > 1;
+                if smaller || done == 0 { Ok(1) } else { Err(StoppedBy::Time) }
             }
             _ => Ok(size),
         }

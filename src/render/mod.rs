@@ -181,6 +181,9 @@ pub fn render_by(
             Ok(samples) => samples,
             Err(reason) => break reason,
         };
+        // No tile may be left without a sample.
+        let fewest = if rates.is_some() && done == 0 { Rates::FEWEST_SAMPLES } else { 0 };
+        let samples = samples.max(fewest);
         let pass_start = Instant::now();
         let (tiles, end) = (film.tiles_mut(), next + samples);
         counters.add(&pool.install(|| match &rates {

@@ -2,7 +2,7 @@
 //! of threads and size of a job.
 
 use super::interrupt;
-use crate::film::{Film, Rect};
+use crate::film::{Discarded, DiscardedSample, Film, Rect};
 use crate::kernel::{Counters, LightJob, LightKernel, Splat, World};
 use rayon::prelude::*;
 
@@ -71,13 +71,15 @@ pub struct SplatSums {
     samples: u64,
     /// Σx and Σx² of each pixel, by channel.
     sums: Vec<[[f64; 2]; 3]>,
+    /// What was no number of them.
+    discarded: Discarded,
 }
 
 impl SplatSums {
     /// Nothing yet.
     pub fn new(world: &World) -> Self {
         let sums = vec![[[0.0; 2]; 3]; pixels(world)];
-        SplatSums { width: world.film.width as usize, samples: 0, sums }
+        SplatSums { width: world.film.width as usize, samples: 0, sums, discarded: Discarded::default() }
     }
 
     /// Traces the light paths of samples up to `end`, or as far as the user does not interrupt.
@@ -86,8 +88,22 @@ impl SplatSums {
             let samples = Splats::samples_at_once(world).min(end - self.samples);
             let Some(splats) = Splats::trace(world, kernel, self.samples, samples, counters) else { return };
             let pixels = self.sums.par_iter_mut().enumerate();
-            pixels.for_each(|(pixel, sums)| splats.images.iter().for_each(|image| add(sums, image[pixel])));
+            let dropped: Vec<(usize, usize)> = pixels
+                .flat_map_iter(|(pixel, sums)| {
+                    let images = splats.images.iter().enumerate();
+                    images.filter_map(move |(k, image)| (!add(sums, image[pixel])).then_some((pixel, k)))
+                })
+                .collect();
+            self.note(&dropped);
             self.samples += samples;
+        }
+    }
+
+    /// Pixels and samples, of those last traced, that were no number.
+    fn note(&mut self, dropped: &[(usize, usize)]) {
+        for &(pixel, k) in dropped {
+            let (x, y) = ((pixel % self.width) as u32, (pixel / self.width) as u32);
+            self.discarded.record(DiscardedSample { x, y, sample: self.samples + k as u64 });
         }
     }
 
@@ -97,7 +113,7 @@ impl SplatSums {
         self.sums[y as usize * self.width + x as usize].map(|[sum, _]| sum / n)
     }
 
-    /// A film with it added to the means of its pixels, and its variance to theirs.
+    /// A film with it added to the means of its pixels, its variance to theirs, and what it dropped to what that did.
     pub fn with(&self, film: &Film) -> Film {
         let (mut film, n) = (film.clone(), self.samples.max(1) as f64);
         film.tiles_mut().par_iter_mut().for_each(|tile| {
@@ -106,17 +122,20 @@ impl SplatSums {
                 sums.map(|[sum, squares]| [sum / n, (squares - sum * sum / n).max(0.0) / (n * (n - 1.0).max(1.0))])
             });
         });
+        film.note_discarded(&self.discarded);
         film
     }
 }
 
-/// Another sample of a pixel; no more than its finite values, as on a film.
-fn add(sums: &mut [[f64; 2]; 3], sample: [f32; 3]) {
-    if sample.iter().all(|value| value.is_finite()) {
+/// Another sample of a pixel, unless it is not finite: says whether it was, as on a film.
+fn add(sums: &mut [[f64; 2]; 3], sample: [f32; 3]) -> bool {
+    let finite = sample.iter().all(|value| value.is_finite());
+    if finite {
         for ([sum, squares], value) in sums.iter_mut().zip(sample.map(f64::from)) {
             (*sum, *squares) = (*sum + value, *squares + value * value);
         }
     }
+    finite
 }
 
 fn pixels(world: &World) -> usize {

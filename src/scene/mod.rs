@@ -87,13 +87,27 @@ pub struct Camera {
     pub focus_distance: f32,
 }
 
-/// Film size in pixels, each side in 1 … 65,536.
+/// Film size in pixels, each side in 1 … [`FilmSize::LONGEST_SIDE`], at most [`FilmSize::MOST_PIXELS`] in all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilmSize {
     /// Columns.
     pub width: u32,
     /// Rows.
     pub height: u32,
+}
+
+impl FilmSize {
+    /// Of a film.
+    pub const LONGEST_SIDE: u32 = 65_536;
+    /// Beyond, a film's sums alone would take tens of gigabytes.
+    pub const MOST_PIXELS: u64 = 1 << 28;
+
+    /// Are there pixels, and not too many?
+    pub fn is_possible(self) -> bool {
+        let sides = [self.width, self.height];
+        let pixels = u64::from(self.width) * u64::from(self.height);
+        sides.iter().all(|side| (1..=Self::LONGEST_SIDE).contains(side)) && pixels <= Self::MOST_PIXELS
+    }
 }
 
 /// How light is followed.

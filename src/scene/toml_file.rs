@@ -75,10 +75,6 @@ struct SphereTable {
     material: Spanned<String>,
 }
 
-/// The longest side of a film.
-const LONGEST_SIDE: u32 = 65_536;
-/// The most pixels of a film: beyond, its sums alone would take tens of gigabytes.
-const MOST_PIXELS: u64 = 1 << 28;
 /// Film size where the scene does not say.
 pub(super) const DEFAULT_FILM: FilmSize = FilmSize { width: 512, height: 512 };
 
@@ -158,22 +154,23 @@ fn film(table: Option<&FilmTable>, text: &TomlText) -> Result<FilmSize, SceneErr
     let side = |key: &str, value: &Option<Spanned<i64>>, default: u32| {
         let Some(value) = value else { return Ok(default) };
         match u32::try_from(*value.as_ref()) {
-            Ok(side) if (1..=LONGEST_SIDE).contains(&side) => Ok(side),
+            Ok(side) if (1..=FilmSize::LONGEST_SIDE).contains(&side) => Ok(side),
             _ => Err(text.error(
                 value.span(),
                 format!("a film cannot have `{key}` = {}", value.as_ref()),
-                format!("give 1 to {LONGEST_SIDE} pixels"),
+                format!("give 1 to {} pixels", FilmSize::LONGEST_SIDE),
             )),
         }
     };
     let width = side("width", &table.width, DEFAULT_FILM.width)?;
     let height = side("height", &table.height, DEFAULT_FILM.height)?;
-    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+    let size = FilmSize { width, height };
+    if !size.is_possible() {
         let place = table.width.as_ref().or(table.height.as_ref()).map_or(0..0, Spanned::span);
         let message = format!("a film of {width} x {height} pixels does not fit in memory");
-        return Err(text.error(place, message, format!("give at most {MOST_PIXELS} pixels")));
+        return Err(text.error(place, message, format!("give at most {} pixels", FilmSize::MOST_PIXELS)));
     }
-    Ok(FilmSize { width, height })
+    Ok(size)
 }
 
 fn defined_materials(

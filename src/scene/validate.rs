@@ -3,7 +3,8 @@
 
 use super::domain::{Domain, EXPONENT, FIELD_OF_VIEW, FINITE, HALF_ANGLE, NON_NEGATIVE, POSITIVE, UNIT};
 use super::{
-    Bsdf, Camera, ConductorFresnel, DeltaLight, Environment, Material, Mesh, NO_NORMAL, NO_TEXCOORD, Scene, Sphere,
+    Bsdf, Camera, ConductorFresnel, DeltaLight, Environment, FilmSize, Material, Mesh, NO_NORMAL, NO_TEXCOORD, Scene,
+    Sphere,
 };
 use glam::DVec3;
 
@@ -33,9 +34,12 @@ impl Scene {
         self.camera.validate()?;
         let sides = [self.film.width, self.film.height];
         require(
-            sides.iter().all(|side| (1..=65_536).contains(side)),
+            self.film.is_possible(),
             || "film".into(),
-            || format!("{} × {} pixels; each side is in 1 … 65536", sides[0], sides[1]),
+            || {
+                let most = FilmSize::MOST_PIXELS;
+                format!("{} × {} pixels; each side is in 1 … 65536, {most} at most in all", sides[0], sides[1])
+            },
         )?;
         for (i, material) in self.materials.iter().enumerate() {
             material.validate(&|| format!("material {i}"))?;

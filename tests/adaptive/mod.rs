@@ -3,13 +3,15 @@
 //! Most tests render by a kernel of their own, whose samples have a known mean.
 
 use crate::equivalence::{assert_same, scenes};
-use crate::renders::{self, adaptive, adaptive_on};
+use crate::renders::{self, Set, adaptive, adaptive_on};
 use crate::stats;
 use octolux::kernel::{Counters, Job, REUSE_SIDE, SampleBuffer, Width, World};
-use octolux::render::thread_pool;
+use octolux::process::seconds_since_process_start;
+use octolux::render::{Budget, thread_pool};
 use octolux::sampling::{SamplerKind, sample_key};
-use octolux::scene::{Bsdf, Camera, PathReuse, Scene, SceneBuilder};
+use octolux::scene::{Bsdf, Camera, LightPaths, PathReuse, Scene, SceneBuilder};
 use std::sync::Mutex;
+use std::time::Duration;
 
 const SIDE: u32 = 32;
 
@@ -174,6 +176,44 @@ fn the_interval_of_the_bias_holds_where_pixels_share_their_errors() {
 fn too_few_samples_are_not_divided() {
     let outcome = adaptive(&renders::world(&frame(), 1), 31, Width::native(), Some(&kernel(rare_on_the_right)));
     assert!(outcome.adaptive.is_none() && !outcome.film.is_uneven() && outcome.film.samples() == 31);
+}
+
+/// Some tiles have an eighth of the average: however little time is left after the pilot, none of them is left black.
+#[test]
+fn no_tile_is_left_without_a_sample() {
+    let world = renders::world(&frame(), 2);
+    let fast = kernel(rare_on_the_right);
+    let slow = |world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
+        std::thread::sleep(Duration::from_micros(20) * job.slots() as u32);
+        fast(world, job, out, counters);
+    };
+    for k in 1..=20 {
+        let seconds = seconds_since_process_start() + 0.02 * f64::from(k);
+        let budget = Budget { seconds: Some(seconds), ..Budget::default() };
+        let film = renders::adaptive_by(&world, budget, &slow).film;
+        assert!(film.samples() > 0, "{k}: on average {}, but somewhere none", film.mean_samples());
+    }
+}
+
+/// A white floor below a lamp as bright as single precision can have it: sometimes too many light paths come to one pixel. What they
+/// bring that is no number is counted as beside equal samples.
+#[test]
+fn what_light_paths_bring_that_is_no_number_is_counted() {
+    let mut set = Set::new([0.0, 0.4, 1.5], [0.0, 0.0, 0.0], 30.0, 8).bounces(2);
+    let (white, lamp) = (set.grey(1.0, 0.0), set.grey(0.0, 3.4e38));
+    set.quad(white, [[-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0], [-2.0, 0.0, -2.0]]);
+    set.quad(lamp, [[-2.0, 0.5, -2.0], [2.0, 0.5, -2.0], [2.0, 0.5, 2.0], [-2.0, 0.5, 2.0]]);
+    let mut scene = set.finish();
+    scene.integrator.light_paths = LightPaths::On;
+    let world = renders::world(&scene, 3);
+    let one = kernel(|_, _| 1.0);
+    let budget = Budget { samples: Some(256), ..Budget::default() };
+    let divided = renders::adaptive_by(&world, budget, &one);
+    let even = renders::even_by(&world, budget, &one);
+    let (found, expected) = (divided.film.discarded(), even.film.discarded());
+    println!("{} samples discarded", expected.count);
+    assert!(divided.adaptive.is_some() && expected.count > 0);
+    assert_eq!(found, expected);
 }
 
 #[test]

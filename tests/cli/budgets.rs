@@ -89,6 +89,23 @@ fn time_stops_a_render_near_its_limit() {
     assert!((0.3..2.0).contains(&wall), "{wall}");
 }
 
+/// Reading the scene may take all the time there is: the image is then late, but it is there.
+#[test]
+fn time_that_is_over_before_the_first_sample_leaves_one_sample_a_pixel() {
+    let budget = Budget { seconds: Some(1.0), ..Budget::default() };
+    assert_eq!(Pacer::new(budget).next(0, 7.0, 0.2), Ok(1));
+    assert_eq!(Pacer::paced(budget, 1e-3).next(0, 7.0, 0.2), Ok(1));
+    assert_eq!(Pacer::new(budget).next(5, 7.0, 0.2), Err(StoppedBy::Time));
+    let scratch = Scratch::new();
+    for more in [&[][..], &["--adaptive"], &["--unbiased", "--error", "0.1"]] {
+        let arguments = ["render", "scene.toml", "-o", "a.exr", "--time", "1e-9", "--json", "-", "--quiet"];
+        let report = scratch.json(&[&arguments[..], more].concat());
+        assert_eq!((&report["stopped_by"], &report["samples_per_pixel"]), (&"time".into(), &1.into()), "{more:?}");
+        assert!(scratch.path("a.exr").exists());
+        std::fs::remove_file(scratch.path("a.exr")).unwrap();
+    }
+}
+
 #[test]
 fn error_stops_at_a_doubling_and_says_that_it_is_biased() {
     let scratch = Scratch::new();

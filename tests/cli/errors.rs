@@ -22,6 +22,17 @@ fn a_missing_scene_is_named() {
 }
 
 #[test]
+fn a_film_too_large_is_refused_wherever_its_size_is_given() {
+    let scratch = Scratch::new();
+    for command in [&["render", "-o", "a.exr"][..], &["info"], &["check"], &["replay", "--pixel", "0,0"]] {
+        for size in ["65536x65536", "65537x1", "0x4", "16384x16385"] {
+            let said = refused(&scratch, &[command, &["scene.toml", "--size", size]].concat());
+            assert!(said.contains(size) && said.contains("268435456"), "{said}");
+        }
+    }
+}
+
+#[test]
 fn an_unknown_key_is_an_error_with_its_line() {
     let scratch = Scratch::new();
     let scene = std::fs::read_to_string(scratch.path("scene.toml")).unwrap().replace("vfov", "fov");

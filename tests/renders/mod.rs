@@ -83,6 +83,18 @@ pub fn adaptive_to(world: &World, error: f64) -> Outcome {
     adaptive_within(shared_pool(), world, budget, Width::native(), None)
 }
 
+/// By some kernel, within a budget.
+pub fn adaptive_by(world: &World, budget: Budget, kernel: JobKernel) -> Outcome {
+    adaptive_within(shared_pool(), world, budget, Width::native(), Some(kernel))
+}
+
+/// The same of equal samples.
+pub fn even_by(world: &World, budget: Budget, kernel: JobKernel) -> Outcome {
+    let options = options(How { width: Width::native(), tile: 4 }, budget, false);
+    let film = render::empty_film(world, &options, 0);
+    render::render_by(kernel, film, world, &options, shared_pool(), &mut Progress::quiet(), &mut ())
+}
+
 fn adaptive_within(
     pool: &rayon::ThreadPool,
     world: &World,

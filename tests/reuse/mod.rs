@@ -7,10 +7,11 @@ use octolux::kernel::Width;
 use octolux::plan::{Force, Plan};
 use octolux::render::{Budget, Options, Progress, thread_pool};
 use octolux::scene::{
-    self, Bsdf, ConductorFresnel, DeltaLight, Environment, FilmSize, IntegratorKind, LightPaths, Masking, PathReuse,
-    Roulette, Scene,
+    self, Bsdf, ConductorFresnel, DeltaLight, Environment, FilmSize, Image, IntegratorKind, LightPaths, Masking,
+    NO_TEXCOORD, PathReuse, Roulette, Scene, Texels, Texture,
 };
 use std::path::Path;
+use std::sync::Arc;
 
 fn without(mut scene: Scene) -> Scene {
     scene.integrator.path_reuse = PathReuse::Off;
@@ -161,6 +162,44 @@ fn what_is_seen_at_a_low_angle_is_not_lost() {
     let mean = |scene: &Scene| renders::film(&renders::world(scene, 11), 1 << 16).mean(0, 0)[0];
     let (shared, own) = (mean(&scene), mean(&without(scene.clone())));
     assert!(shares(&scene) && own > 0.0 && (shared - own).abs() <= 2e-5 * own, "{shared} for {own}");
+}
+
+/// Walls lit by way of a floor whose image bends its normals away from most of them: turned towards who looks, they are other
+/// normals to each. Pixel by pixel: the sum over a block would know nothing of it.
+#[test]
+fn normals_of_images_are_not_shared() {
+    let mut set = Set::new([0.0, 1.2, 3.4], [0.0, 1.0, 0.0], 40.0, 8).bounces(2);
+    let (clay, bent) = (set.grey(0.75, 0.0), set.grey(0.8, 0.0));
+    let texels = Texels::Floats([0.975, 0.5, 0.655].to_vec());
+    let map = Texture::new(Arc::new(Image { width: 1, height: 1, channels: 3, texels }), false);
+    let material = &mut set.scene_mut().materials[bent as usize];
+    (material.maps.normal, material.maps.strength) = (Some(map), [1.0; 2]);
+    set.quad(bent, [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]]);
+    set.quad(clay, [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 2.0, -1.0], [-1.0, 2.0, -1.0]]);
+    set.quad(clay, [[-1.0, 0.0, 1.0], [-1.0, 0.0, -1.0], [-1.0, 2.0, -1.0], [-1.0, 2.0, 1.0]]);
+    set.quad(clay, [[1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [1.0, 2.0, 1.0], [1.0, 2.0, -1.0]]);
+    let mesh = &mut set.scene_mut().mesh;
+    mesh.texcoords = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].to_vec();
+    mesh.texcoord_indices = vec![[NO_TEXCOORD; 3]; mesh.triangles.len()];
+    mesh.texcoord_indices[..2].copy_from_slice(&[[0, 1, 2], [0, 2, 3]]);
+    let light = DeltaLight::Directional { direction: [0.1, -1.0, -0.1], irradiance: [3.0; 3] };
+    let scene = set.light(light).finish();
+    assert!(shares(&scene));
+    let pixels = |scene: &Scene| {
+        let mut world = renders::world(scene, 0);
+        let mut moments = vec![Moments::new(); 64];
+        for seed in 1..=200 {
+            world.seed = seed;
+            let film = renders::film(&world, 64);
+            moments.iter_mut().enumerate().for_each(|(k, m)| m.push(film.mean(k as u32 % 8, k as u32 / 8)[0]));
+        }
+        moments
+    };
+    let bound = stats::z_bound(64);
+    for (k, (a, b)) in pixels(&scene).iter().zip(&pixels(&without(scene))).enumerate() {
+        let error = a.std_error().hypot(b.std_error());
+        assert!((a.mean - b.mean).abs() <= bound * error, "pixel {k}: {} for {} ± {error}", a.mean, b.mean);
+    }
 }
 
 /// A light too close to a ceiling for f32, hidden from the floor that the camera sees: what paths find there is no number.

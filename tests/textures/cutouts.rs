@@ -71,6 +71,32 @@ fn a_sphere_is_passed_twice() {
     assert_image_mean("through a sphere", &film, [0.5625; 3], 1e-9, TESTS);
 }
 
+/// What is seen through an invisible sphere is where it is without: the far side of a sphere is passed where the ray meets it.
+#[test]
+fn an_invisible_sphere_moves_nothing() {
+    let scene = |opacity: Option<f32>| {
+        let mut set = Set::new([0.0, 0.0, 4.0], [0.0; 3], 30.0, 16).bounces(1).uniform_light();
+        let (white, black) = (set.grey(1.0, 0.0), set.grey(0.0, 0.0));
+        for i in 0..16 {
+            let (left, right) = (-2.0 + 0.25 * f64::from(i), -1.75 + 0.25 * f64::from(i));
+            let stripe = if i % 2 == 0 { white } else { black };
+            set.quad(stripe, [[left, -2.0, -1.0], [right, -2.0, -1.0], [right, 2.0, -1.0], [left, 2.0, -1.0]]);
+        }
+        if let Some(opacity) = opacity {
+            let ghost = set.grey(0.5, 0.0);
+            edit(&mut set, ghost).opacity = opacity;
+            set.sphere(ghost, [0.2, 0.1, 0.3], 0.9);
+        }
+        complete(set)
+    };
+    let (with, without) = (render(&scene(Some(0.0)), 256), render(&scene(None), 256));
+    for (x, y) in (0..16).flat_map(|y| (0..16).map(move |x| (x, y))) {
+        // A ray may meet the rim between two stripes on either side.
+        let (a, b) = (with.mean(x, y)[0], without.mean(x, y)[0]);
+        assert!((a - b).abs() <= 0.01, "pixel {x}, {y}: {a} for {b}");
+    }
+}
+
 /// Half the image is a hole: rays pass where it is 0 and nowhere else, and in between in proportion.
 #[test]
 fn an_image_says_where() {

@@ -2,9 +2,11 @@
 
 use super::{LAMBERT, LOBES, ROW, place, rows_of, write};
 use crate::bsdf::Sample;
+use crate::kernel::maps;
 use crate::kernel::path::Paths;
 use crate::kernel::surface::{LEAST_FACING, Surface};
 use crate::kernel::tile::{SampleBuffer, lanes_of};
+use crate::kernel::world::World;
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::light::LightSample;
 
@@ -52,6 +54,7 @@ fn lanes_where<R: Real>(slot: R::Bits, mask: R::Mask, is: impl Fn(usize) -> bool
 /// the lanes at second vertices that are not Lambert.
 #[inline(never)]
 pub fn arrive<R: Real>(
+    world: &World,
     surface: Surface<R>,
     paths: &mut Paths<R>,
     scatters: R::Mask,
@@ -70,7 +73,9 @@ pub fn arrive<R: Real>(
     let seen = surface.ng.dot(wo);
     let side = one.copysign(seen);
     let ns = Vec3::select(surface.ng.dot(surface.ns).lt(R::zero()), -surface.ns, surface.ns) * side;
-    // A shading normal that is turned towards who looks is another to each.
+    // A shading normal that is turned towards who looks is another to each; those of images have been turned already.
+    let second =
+        if world.plan.textures { second & !maps::bent::<R>(world, paths.hit.primitive, second) } else { second };
     let second = second & seen.abs().gt(R::zero()) & ns.dot(wo).ge(seen.abs().min_or(R::splat(LEAST_FACING)));
     let second = lanes_where::<R>(paths.slot, second, |slot| out.shared.first[slot][place::VALID] != 0.0);
     if second.none() {
