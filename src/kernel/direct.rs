@@ -60,6 +60,7 @@ pub(super) fn sample_direct<R: Real, S: Shade, P: Probe>(
     let wi = frame.to_local(light.wi);
     let pdf = probe.tap(Stage::LightPdf, paths.lanes(lit), light.pdf);
     let lit = lit & pdf.gt(R::zero()) & same_side(wi.z, surface.ng.dot(light.wi));
+    let lit = if world.plan.spheres { lit & !behind(world, surface, &light) } else { lit };
     let eval = shade.eval(world, &paths.hit, surface, [wo, wi], lit);
     let mut weight = mis_weight(pdf, eval.pdf.masked(competing)) / pdf;
     if let Some(arrival) = arrival.filter(|_| lit.any()) {
@@ -88,6 +89,14 @@ pub(super) fn sample_direct<R: Real, S: Shade, P: Probe>(
     if carries.any() {
         shadows.push(carries, &pack_shadows(&light_ray(surface, &light), contribution, slot, paths.bounce));
     }
+}
+
+/// Lanes that lie behind the point of a sphere that was sampled. Spheres shine outwards; but of a point on the inside of one rounding
+/// may say that it is outside. Where its rays leave is clear of that.
+#[inline(always)]
+pub(crate) fn behind<R: Real>(world: &World, surface: &Surface<R>, light: &LightSample<R>) -> R::Mask {
+    let way = light.target - surface.leave(light.wi);
+    world.on_sphere::<R>(light.primitive) & !way.dot(light.ng).lt(R::zero())
 }
 
 /// The shadow ray of a light sample: to a point moved off its light, or to infinity.

@@ -1,7 +1,7 @@
 //! The illumination integral at one point of a picture, for estimators on their own: what the directions of a density
 //! carry to the viewer. Directions come from a density alone, as in a lecture; the path estimator combines them.
 
-use super::direct::light_ray;
+use super::direct::{behind, light_ray};
 use super::material::AllModels;
 use super::path::{mis_weight, same_side};
 use super::pattern;
@@ -159,6 +159,7 @@ fn light<R: Real>(view: &View<R>, u: [R; 3], combined: bool) -> Vec3<R> {
     }
     let wi = frame.to_local(light.wi);
     let active = light.pdf.gt(R::zero()) & !light.is_delta() & reflects(surface, wo, wi, light.wi);
+    let active = active & !behind(world, surface, &light);
     if active.none() {
         return Vec3::zero();
     }

@@ -29,7 +29,7 @@ mod wave;
 mod world;
 
 pub use camera::Camera;
-pub(crate) use direct::light_ray;
+pub(crate) use direct::{behind, light_ray};
 pub use gather::GatherReport;
 pub use illumination::{PixelPoint, Technique};
 pub use light_paths::{LightJob, LightPaths, Splat};

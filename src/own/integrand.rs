@@ -133,6 +133,7 @@ impl<R: Real> CameraSample<'_, R> {
         if self.world.plan.patterned_lights {
             crate::kernel::look_up_pattern(self.world, &mut light, active);
         }
+        let light = light.only(!crate::kernel::behind(self.world, surface, &light));
         let ray = crate::kernel::light_ray(surface, &light);
         Some((light, ray))
     }

@@ -5,7 +5,7 @@ use super::{TESTS, rounding};
 use crate::renders::{self, Set, assert_image_mean, image_mean};
 use crate::stats;
 use octolux::film::Film;
-use octolux::scene::{self, FilmSize, IntegratorKind, Scene};
+use octolux::scene::{self, FilmSize, GatherLights, IntegratorKind, LightPaths, Scene};
 use std::path::Path;
 
 const SEED: u64 = 11;
@@ -101,5 +101,30 @@ fn sphere_with_an_emitting_cap() {
         let rim = expected * 2e-6 / (2.0 * share);
         let name = format!("cap of {share:.3}, ρ = {reflectance}, {bounces} bounces");
         assert_image_mean(&name, &render(&set.finish(), 2048), [expected; 3], rounding(expected, bounces) + rim, TESTS);
+    }
+}
+
+/// A lamp that is a sphere shines outwards: seen from inside it is dark, and what else shines there is all there is, whatever rounding
+/// says of the side that points of its inside lie on.
+#[test]
+fn a_lamp_does_not_light_its_inside() {
+    for (k, radius) in [0.15, 0.3, 0.37, 1.0, 1.7].into_iter().enumerate() {
+        for (light_paths, kind) in [
+            (LightPaths::Off, IntegratorKind::Path),
+            (LightPaths::On, IntegratorKind::Path),
+            (LightPaths::Off, IntegratorKind::Direct),
+            (LightPaths::Off, IntegratorKind::Gather),
+        ] {
+            let center = [0.3, 0.2, 0.1 * k as f64];
+            let mut set = Set::new(center, [1.0, 0.3, 0.0], 60.0, 16).bounces(2).integrator(kind);
+            let lamp = set.grey(0.5, 10.0);
+            set.sphere(lamp, center, radius);
+            let mut scene = set.finish();
+            scene.integrator.light_paths = light_paths;
+            scene.integrator.gather.lights = GatherLights::Sampled;
+            let film = render(&scene, 64);
+            let brightest = (0..256).map(|i| film.mean(i % 16, i / 16)[0]).fold(0.0, f64::max);
+            assert_eq!(brightest, 0.0, "radius {radius}, {kind:?}, light paths {light_paths:?}");
+        }
     }
 }

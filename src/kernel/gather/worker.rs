@@ -8,7 +8,7 @@ use super::trace::{Beams, Estimate};
 use super::{About, LOBE_RAYS, Vertex};
 use crate::geometry::Ray;
 use crate::kernel::cutout;
-use crate::kernel::direct::light_ray;
+use crate::kernel::direct::{behind, light_ray};
 use crate::kernel::material::AllModels;
 use crate::kernel::path::{Traversal, same_side};
 use crate::kernel::pattern;
@@ -192,6 +192,7 @@ impl Worker<'_> {
             }
             let wi = vertex.frame.to_local(light.wi);
             let lit = active & light.pdf.gt(R::zero()) & same_side(wi.z, surface.ng.dot(light.wi));
+            let lit = lit & !behind(world, surface, &light);
             let lit = if sampled { lit } else { lit & light.is_delta() };
             let f_cos = surface.material.eval::<AllModels>(&world.plan, vertex.wo, wi, lit).value;
             let mut weight = share / light.pdf;
