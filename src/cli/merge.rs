@@ -1,7 +1,7 @@
 //! `octolux merge`: states of parts of a render become one, bit for bit as if rendered on one machine.
 
 use super::CliError;
-use super::targets::{Facts, ImageArgs, check_folders};
+use super::targets::{Facts, ImageArgs, check_apart, check_folders};
 use crate::render::{self, Phase, State};
 use std::path::{Path, PathBuf};
 
@@ -25,6 +25,8 @@ pub fn run(args: &MergeArgs) -> Result<bool, CliError> {
         return Err(CliError::Usage("nothing to write: give -o OUT.exr, --png OUT.png or --state OUT.state".into()));
     }
     check_folders(args.images.files().chain(args.state.as_deref()))?;
+    check_apart(args.images.files(), args.parts.iter().map(PathBuf::as_path))?;
+    check_apart(args.images.files().chain(args.state.as_deref()), [])?;
     let phase = Phase::begin("reading states", args.quiet);
     let mut parts = args.parts.iter().map(PathBuf::as_path);
     let mut load = || parts.next().map(|path| Ok::<_, CliError>((path, State::load(path)?))).transpose();

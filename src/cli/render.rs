@@ -5,7 +5,7 @@ use super::keeper::Keeper;
 use super::ladder::LadderArgs;
 use super::scene_args::{MachineArgs, SceneArgs};
 use super::state_args::StateArgs;
-use super::targets::{ImageArgs, check_folders, default_exr, write_json};
+use super::targets::{ImageArgs, check_apart, check_folders, default_exr, write_json};
 use crate::kernel::World;
 use crate::plan::Force;
 use crate::render::adaptive::adaptive_tile;
@@ -157,6 +157,8 @@ fn images(args: &RenderArgs) -> Result<ImageArgs, CliError> {
     }
     let report = args.json.as_deref().filter(|path| *path != Path::new("-"));
     check_folders(images.files().chain(report).chain(args.state.file()))?;
+    let read = [args.scene.scene.as_path()].into_iter().chain(args.state.left_behind());
+    check_apart(images.files().chain(report).chain(args.state.file()), read)?;
     args.state.check()?;
     Ok(images)
 }

@@ -48,6 +48,11 @@ impl StateArgs {
         self.state.as_deref().or(self.resume.as_deref())
     }
 
+    /// The state that is gone on with, where it is not the file that is kept.
+    pub fn left_behind(&self) -> Option<&Path> {
+        self.state.as_ref().filter(|state| self.resume.as_ref() != Some(state)).and(self.resume.as_deref())
+    }
+
     pub fn save_every(&self) -> Duration {
         Duration::try_from_secs_f64(self.save_every).unwrap_or(Duration::MAX)
     }

@@ -48,6 +48,33 @@ pub fn check_folders<'a>(files: impl IntoIterator<Item = &'a Path>) -> Result<()
     Ok(())
 }
 
+/// No file is written over another of the same run, or over what the run reads: to be known before anything is rendered. Devices
+/// and pipes keep nothing.
+pub fn check_apart<'a>(
+    files: impl IntoIterator<Item = &'a Path>,
+    read: impl IntoIterator<Item = &'a Path>,
+) -> Result<(), CliError> {
+    let mut taken: Vec<(PathBuf, &str)> = read.into_iter().map(|path| (place(path), "is read here")).collect();
+    for path in files.into_iter().filter(|path| !path.exists() || path.is_file()) {
+        let place = place(path);
+        if let Some((_, what)) = taken.iter().find(|(other, _)| *other == place) {
+            return Err(CliError::Usage(format!(
+                "{}: {what}, and would be written over; name another file",
+                path.display()
+            )));
+        }
+        taken.push((place, "is named twice"));
+    }
+    Ok(())
+}
+
+/// The same for all names of a file.
+fn place(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let new = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
+    path.canonicalize().ok().or_else(new).unwrap_or_else(|| path.to_owned())
+}
+
 /// The EXR file that is written where none is named.
 pub fn default_exr(scene: &Path) -> PathBuf {
     let named_scene = scene.file_stem().is_some_and(|s| s == "scene");

@@ -33,6 +33,39 @@ fn a_film_too_large_is_refused_wherever_its_size_is_given() {
 }
 
 #[test]
+fn nothing_is_written_over_what_is_read_or_written_here() {
+    let scratch = Scratch::new();
+    scratch.run(&["render", "scene.toml", "--spp", "2", "--state", "a.state", "-o", "a.exr", "--quiet"]);
+    let kept = ["scene.toml", "a.state"].map(|file| std::fs::read(scratch.path(file)).unwrap());
+    std::fs::create_dir(scratch.path("folder")).unwrap();
+    for arguments in [
+        &["render", "scene.toml", "-o", "scene.toml"][..],
+        &["render", "scene.toml", "--png", "folder/../scene.toml"],
+        &["render", "scene.toml", "--json", "./scene.toml"],
+        &["render", "scene.toml", "-o", "b.exr", "--png", "b.exr"],
+        &["render", "scene.toml", "-o", "b.exr", "--json", "folder/../b.exr"],
+        &["render", "scene.toml", "-o", "b.exr", "--state", "./b.exr"],
+        &["render", "scene.toml", "--resume", "a.state", "-o", "a.state", "--spp", "4"],
+        &["render", "scene.toml", "--resume", "a.state", "--state", "b.state", "-o", "a.state", "--spp", "4"],
+        &["merge", "a.state", "-o", "a.state"],
+        &["merge", "a.state", "-o", "b.exr", "--png", "b.exr"],
+    ] {
+        let said = refused(&scratch, arguments);
+        assert!(said.contains("would be written over") && said.lines().count() == 1, "{arguments:?}: {said}");
+        assert_eq!(kept, ["scene.toml", "a.state"].map(|file| std::fs::read(scratch.path(file)).unwrap()));
+        assert!(!scratch.path("b.exr").exists() && !scratch.path("b.state").exists(), "{arguments:?}");
+    }
+    // A state goes on in its own file, a merged one may take a part's place, and nothing is kept of what goes nowhere.
+    for arguments in [
+        &["render", "scene.toml", "--resume", "a.state", "--state", "a.state", "-o", "a.exr", "--spp", "4"][..],
+        &["merge", "a.state", "--state", "a.state", "-o", "a.exr"],
+        &["render", "scene.toml", "-o", "/dev/null", "--png", "/dev/null", "--spp", "1"],
+    ] {
+        assert_eq!(scratch.run(arguments).status.code(), Some(0), "{arguments:?}");
+    }
+}
+
+#[test]
 fn an_unknown_key_is_an_error_with_its_line() {
     let scratch = Scratch::new();
     let scene = std::fs::read_to_string(scratch.path("scene.toml")).unwrap().replace("vfov", "fov");
