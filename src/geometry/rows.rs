@@ -34,6 +34,14 @@ impl<const N: usize> Rows<N> {
     fn rows(&self) -> &[[f32; N]] {
         self.values[self.start..].as_chunks().0
     }
+    /// How many there are, one at least.
+    pub fn count(&self) -> usize {
+        self.rows().len()
+    }
+    /// Row `index`. Domain: below [`Rows::count`].
+    pub fn row(&self, index: usize) -> &[f32; N] {
+        &self.rows()[index]
+    }
     pub fn bytes(&self) -> usize {
         core::mem::size_of_val(self.values.as_slice()) + core::mem::size_of_val(self.columns.as_slice())
     }

@@ -8,6 +8,7 @@ use super::sample::LightPoint;
 use super::sphere::{self, sphere_pdf};
 use super::triangle::{self, Triangle, triangle_pdf};
 use super::{Emitter, EmitterShape, LightError};
+use crate::geometry::Rows;
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
 use std::f64::consts::PI;
 
@@ -37,9 +38,10 @@ pub(super) struct AreaSample<R: Real> {
 
 pub(super) struct AreaLights {
     /// Triangles, then spheres, each in order of their primitive.
-    rows: Vec<Row>,
-    /// The primitive of each row.
+    rows: Rows<16>,
+    /// The primitive of each row, and as bits.
     primitives: Vec<u32>,
+    primitive_bits: Rows<1>,
     first_sphere: usize,
     choice: ByPower,
     /// Of each row, by power, area lights' share left out.
@@ -67,14 +69,16 @@ impl AreaLights {
         let first_sphere = emitters.partition_point(|e| !e.is_sphere());
         let powers: Vec<f64> = emitters.iter().map(Emitter::power).collect();
         let (choice, probability) = ByPower::build(&powers);
-        let rows = emitters.iter().zip(&probability).map(|(e, p)| row(e, p * share)).collect();
-        let primitives = emitters.iter().map(|e| e.primitive).collect();
-        Ok(Some(Self { rows, primitives, first_sphere, choice, probability, grid: None }))
+        let rows: Vec<Row> = emitters.iter().zip(&probability).map(|(e, p)| row(e, p * share)).collect();
+        let primitives: Vec<u32> = emitters.iter().map(|e| e.primitive).collect();
+        let bits: Vec<[f32; 1]> = primitives.iter().map(|&primitive| [f32::from_bits(primitive)]).collect();
+        let (rows, primitive_bits) = (Rows::new(&rows), Rows::new(&bits));
+        Ok(Some(Self { rows, primitives, primitive_bits, first_sphere, choice, probability, grid: None }))
     }
 
     /// From now on lights can be chosen by place too, if they are many.
     pub(super) fn add_grid(&mut self, receivers: &Receivers) {
-        let lamps: Vec<Lamp> = (0..self.rows.len()).map(|i| self.lamp(i)).collect();
+        let lamps: Vec<Lamp> = (0..self.len()).map(|i| self.lamp(i)).collect();
         self.grid = ChoiceGrid::build(&lamps, receivers).map(|choice| {
             let mut row_of = vec![0; receivers.triangles.len() + receivers.spheres.len()];
             for (row, primitive) in self.primitives.iter().enumerate() {
@@ -85,7 +89,7 @@ impl AreaLights {
     }
 
     fn lamp(&self, i: usize) -> Lamp {
-        let row = &self.rows[i];
+        let row = self.rows.row(i);
         let vector = |k: usize| glam::DVec3::new(row[k].into(), row[k + 1].into(), row[k + 2].into());
         let radiance = vector(RADIANCE).element_sum() / 3.0;
         let probability = self.probability[i];
@@ -102,17 +106,17 @@ impl AreaLights {
     /// See [`Lights::reach`](super::Lights::reach); `share` as in [`AreaLights::build`].
     pub(super) fn reach(&self, share: f64) -> Option<Reach> {
         let shape = |i: usize| {
-            let vector = |k: usize| std::array::from_fn(|axis| self.rows[i][k + axis]);
+            let vector = |k: usize| std::array::from_fn(|axis| self.rows.row(i)[k + axis]);
             match i < self.first_sphere {
                 true => EmitterShape::Triangle { p0: vector(P0), e1: vector(E1), e2: vector(E2) },
-                false => EmitterShape::Sphere { center: vector(CENTER), radius: self.rows[i][RADIUS] },
+                false => EmitterShape::Sphere { center: vector(CENTER), radius: self.rows.row(i)[RADIUS] },
             }
         };
         let least = |i: usize| match &self.grid {
             None => self.probability[i] * share,
             Some(_) => ChoiceGrid::least_probability(self.probability[i]) * share,
         };
-        Reach::of(&(0..self.rows.len()).map(|i| (shape(i), least(i))).collect::<Vec<_>>())
+        Reach::of(&(0..self.len()).map(|i| (shape(i), least(i))).collect::<Vec<_>>())
     }
 
     pub(super) fn has_grid(&self) -> bool {
@@ -134,12 +138,12 @@ impl AreaLights {
     }
 
     pub(super) fn len(&self) -> usize {
-        self.rows.len()
+        self.primitives.len()
     }
 
     pub(super) fn memory(&self) -> usize {
         let grid = self.grid.as_ref().map_or(0, |grid| grid.choice.memory() + size_of_val(&*grid.row_of));
-        size_of_val(&*self.rows) + size_of_val(&*self.primitives) + self.choice.memory() + grid
+        self.rows.bytes() + size_of_val(&*self.primitives) + self.primitive_bits.bytes() + self.choice.memory() + grid
     }
 
     /// A point on a light as seen from `origin`: by power, or from a `table` of the grid.
@@ -158,8 +162,8 @@ impl AreaLights {
             _ => (self.choice.choose(u, fine), None),
         };
         let u = [rest, u[1]];
-        let rows = LaneRows::<R>::of(&self.rows, index);
-        let mut point = if self.first_sphere == self.rows.len() {
+        let rows = self.fetch(index);
+        let mut point = if self.first_sphere == self.len() {
             rows.sample_triangle(origin, u)
         } else if self.first_sphere == 0 {
             rows.sample_sphere(origin, u)
@@ -170,22 +174,30 @@ impl AreaLights {
         if let Some(ratio) = ratio {
             point.pdf = point.pdf * ratio;
         }
-        let primitive = R::Bits::from_fn(|i| self.primitives[index.lane(i) as usize]);
-        AreaSample { point, radiance: rows.vector(RADIANCE), primitive, u }
+        AreaSample { point, radiance: rows.vector(RADIANCE), primitive: self.primitive::<R>(index), u }
     }
 
     /// A primitive chosen by power, its radiance, and what is left of `u` for the point on it.
     #[inline(always)]
     pub(super) fn choose<R: Real>(&self, u: [R; 2], fine: R) -> (R::Bits, Vec3<R>, [R; 2]) {
         let Choice { entry: index, rest } = self.choice.choose(u, fine);
-        let rows = LaneRows::<R>::of(&self.rows, index);
-        let primitive = R::Bits::from_fn(|i| self.primitives[index.lane(i) as usize]);
-        (primitive, rows.vector(RADIANCE), [rest, u[1]])
+        (self.primitive::<R>(index), self.fetch::<R>(index).vector(RADIANCE), [rest, u[1]])
+    }
+
+    #[inline(always)]
+    fn fetch<R: Real>(&self, index: R::Bits) -> LaneRows<R> {
+        LaneRows(self.rows.fetch(index, R::Mask::splat(true)))
+    }
+
+    #[inline(always)]
+    fn primitive<R: Real>(&self, index: R::Bits) -> R::Bits {
+        let [bits] = self.primitive_bits.fetch::<R>(index, R::Mask::splat(true));
+        bits.to_bits()
     }
 
     /// See [`Lights::emitter_pdf_row`](super::Lights::emitter_pdf_row).
     pub(super) fn pdf_row(&self, primitive: u32) -> f32 {
-        self.find(primitive).map_or(0.0, |i| self.rows[i][PDF_ROW])
+        self.find(primitive).map_or(0.0, |i| self.rows.row(i)[PDF_ROW])
     }
 
     /// See [`Lights::pdf_area`](super::Lights::pdf_area).
@@ -193,7 +205,7 @@ impl AreaLights {
         const NONE: Row = [0.0; 16];
         let found: [Option<usize>; MAX_WIDTH] =
             crate::lane::array::from_fn(|i| if i < R::WIDTH { self.find(primitive.lane(i)) } else { None });
-        let field = |k: usize| R::from_fn(|i| found[i].map_or(&NONE, |at| &self.rows[at])[k]);
+        let field = |k: usize| R::from_fn(|i| found[i].map_or(&NONE, |at| self.rows.row(at))[k]);
         let sphere_lanes = (0..R::WIDTH).filter(|&i| found[i].is_some_and(|at| at >= self.first_sphere));
         let is_sphere = R::Mask::from_bits(sphere_lanes.fold(0, |bits, i| bits | 1 << i));
         let row = field(PDF_ROW);
@@ -248,7 +260,7 @@ impl ByPower {
     fn choose<R: Real>(&self, u: [R; 2], fine: R) -> Choice<R> {
         match self {
             Self::Only => Choice { entry: R::Bits::splat(0), rest: u[0] },
-            Self::InARow(inversion) => inversion.choose(R::Bits::splat(0), u[0], fine),
+            Self::InARow(inversion) => inversion.choose_first(u[0], fine),
             Self::Apart(table) => Choice { entry: table.choose(fine, u), rest: u[0] },
         }
     }
@@ -266,11 +278,6 @@ impl ByPower {
 struct LaneRows<R>([R; 16]);
 
 impl<R: Real> LaneRows<R> {
-    #[inline(always)]
-    fn of(rows: &[Row], index: R::Bits) -> Self {
-        Self(R::fetch_rows(rows, index))
-    }
-
     #[inline(always)]
     fn field(&self, k: usize) -> R {
         self.0[k]

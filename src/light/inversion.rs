@@ -10,6 +10,8 @@ use crate::sampling::ONE_BELOW;
 const GRID: f64 = (1u32 << 24) as f64;
 /// Entries a bucket of the guide covers on average: 2, searched one by one, were no faster.
 const ENTRIES_PER_BUCKET: usize = 8;
+/// Fewer entries than this are compared with, rather than searched.
+const FEW: usize = 16;
 
 /// Tables of equal length, one after the other.
 pub struct Inversion {
@@ -19,12 +21,16 @@ pub struct Inversion {
     cumulative: Vec<u32>,
     /// `buckets` + 1 a table: the entry at which a bucket's numbers begin.
     guide: Vec<u32>,
+    /// Where entries are fewer than [`FEW`], the cumulative values of each table, the last 1 whatever they are, and infinity past
+    /// it: any number falls somewhere.
+    rows: Vec<[f32; FEW]>,
 }
 
 /// One table while it is made.
 pub struct Table<'a> {
     cumulative: &'a mut [u32],
     guide: &'a mut [u32],
+    row: Option<&'a mut [f32; FEW]>,
 }
 
 /// Entries chosen, and where in them the number fell, again uniform in [0, 1).
@@ -38,18 +44,23 @@ impl Inversion {
     pub fn new(tables: usize, entries: usize) -> Self {
         let buckets = entries.div_ceil(ENTRIES_PER_BUCKET).next_power_of_two();
         let (cumulative, guide) = (vec![0; tables * (entries + 1)], vec![0; tables * (buckets + 1)]);
-        Self { entries, buckets, cumulative, guide }
+        let mut unfilled = [f32::INFINITY; FEW];
+        unfilled[0] = 0.0;
+        let rows = vec![unfilled; if entries < FEW { tables } else { 0 }];
+        Self { entries, buckets, cumulative, guide, rows }
     }
 
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.cumulative) + size_of_val(&*self.guide)
+        size_of_val(&*self.cumulative) + size_of_val(&*self.guide) + size_of_val(&*self.rows)
     }
 
     /// The tables, to be filled in any order.
     pub fn tables(&mut self) -> Vec<Table<'_>> {
         let cumulative = self.cumulative.chunks_exact_mut(self.entries + 1);
         let guide = self.guide.chunks_exact_mut(self.buckets + 1);
-        cumulative.zip(guide).map(|(cumulative, guide)| Table { cumulative, guide }).collect()
+        let rows = self.rows.iter_mut().map(Some).chain(core::iter::repeat_with(|| None));
+        let parts = cumulative.zip(guide).zip(rows);
+        parts.map(|((cumulative, guide), row)| Table { cumulative, guide, row }).collect()
     }
 
     /// How many of the 2²⁴ numbers choose `entry` of a table.
@@ -61,12 +72,49 @@ impl Inversion {
         })
     }
 
+    /// Chooses from the first table by `u`, extended as in [`Inversion::choose`].
+    #[inline(always)]
+    pub fn choose_first<R: Real>(&self, u: R, fine: R) -> Choice<R> {
+        if self.entries >= FEW {
+            return self.choose(R::Bits::splat(0), u, fine);
+        }
+        // All cumulative values, which `f32` holds, against all lanes: no lane looks anything up.
+        let steps = steps(u).floor();
+        let value = |k: usize| R::splat(self.cumulative[k] as f32);
+        let (mut entry, mut below, mut above) = (R::zero(), R::zero(), value(1));
+        for k in 1..self.entries {
+            let beyond = steps.ge(value(k));
+            entry = R::select(beyond, R::splat(k as f32), entry);
+            below = R::select(beyond, value(k), below);
+            above = R::select(beyond, value(k + 1), above);
+        }
+        Choice { entry: entry.to_int(), rest: rest(steps - below, above - below, fine) }
+    }
+
+    /// A lane's whole table is compared with its number: no branch depends on where it falls.
+    #[inline(always)]
+    fn choose_of_few<R: Real>(&self, table: R::Bits, u: R, fine: R) -> Choice<R> {
+        let steps = steps(u).floor();
+        let (mut entry, mut below, mut above) = ([0; MAX_WIDTH], [0.0; MAX_WIDTH], [0.0; MAX_WIDTH]);
+        for i in 0..R::WIDTH {
+            let row = &self.rows[table.lane(i) as usize];
+            let step = R::splat(steps.lane(i));
+            let passed = row.chunks_exact(R::WIDTH.min(FEW)).map(|part| R::load(part).le_bits(step).count_ones());
+            let at = passed.sum::<u32>() as usize;
+            // 0 is passed by all, and what follows the last entry by none.
+            (entry[i], below[i], above[i]) = (at as u32 - 1, row[(at - 1) % FEW], row[at % FEW]);
+        }
+        let (below, above) = (R::load(&below), R::load(&above));
+        Choice { entry: R::Bits::load(&entry), rest: rest(steps - below, above - below, fine) }
+    }
+
     /// Chooses from table `table` by `u`; `fine` in [0, 1) extends `u` below its last bit of 2⁻²⁴.
     #[inline(always)]
     pub fn choose<R: Real>(&self, table: R::Bits, u: R, fine: R) -> Choice<R> {
-        // Whatever `u` is, NaN included, a place in the table.
-        let u = u.max_or(R::zero()).min_or(R::splat(ONE_BELOW));
-        let steps = (u * R::splat(GRID as f32)).to_int();
+        if self.entries < FEW {
+            return self.choose_of_few(table, u, fine);
+        }
+        let steps = steps(u).to_int();
         let shift = 24 - self.buckets.trailing_zeros();
         // All addresses first: lanes then wait for the cache together.
         let mut bucket = [0; MAX_WIDTH];
@@ -87,10 +135,21 @@ impl Inversion {
             let at = from[i] + row[from[i] + 1..to[i] + 1].partition_point(|&c| c <= steps.lane(i));
             (entry[i], below[i], share[i]) = (at as u32, row[at], row[at + 1] - row[at]);
         }
-        let into = R::from_int(steps - R::Bits::load(&below)) + fine;
-        let rest = (into / R::from_int(R::Bits::load(&share))).max_or(R::zero()).min_or(R::splat(ONE_BELOW));
-        Choice { entry: R::Bits::load(&entry), rest }
+        let into = R::from_int(steps - R::Bits::load(&below));
+        Choice { entry: R::Bits::load(&entry), rest: rest(into, R::from_int(R::Bits::load(&share)), fine) }
     }
+}
+
+/// In units of the grid; whatever `u` is, NaN included, a place in the table.
+#[inline(always)]
+fn steps<R: Real>(u: R) -> R {
+    u.max_or(R::zero()).min_or(R::splat(ONE_BELOW)) * R::splat(GRID as f32)
+}
+
+/// Where a number fell, so many steps `into` the `share` of an entry.
+#[inline(always)]
+fn rest<R: Real>(into: R, share: R, fine: R) -> R {
+    ((into + fine) / share).max_or(R::zero()).min_or(R::splat(ONE_BELOW))
 }
 
 impl Table<'_> {
@@ -107,6 +166,10 @@ impl Table<'_> {
             let end = if i >= last && total > 0.0 { GRID } else { (sum * to_grid).round().min(GRID) };
             self.cumulative[i + 1] = end as u32;
             probability[i] = f64::from(self.cumulative[i + 1] - self.cumulative[i]) / GRID;
+        }
+        if let Some(row) = &mut self.row {
+            row.iter_mut().zip(&*self.cumulative).for_each(|(value, &sum)| *value = sum as f32);
+            row[self.cumulative.len() - 1] = GRID as f32;
         }
         let buckets = self.guide.len() - 1;
         let mut entry = 0;
