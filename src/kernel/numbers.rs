@@ -16,6 +16,17 @@ impl World {
         }
     }
 
+    /// Samples `first` … of `pixel`, one a lane.
+    #[inline(always)]
+    pub(super) fn numbers_of_pixel<R: Real>(&self, seed: u64, pixel: u32, first: u32) -> Sampler<R> {
+        if self.numbers.is_none() {
+            return Sampler::of_pixel(self.sampler, seed, pixel, first);
+        }
+        let mut rng = Sampler::idle();
+        (0..R::WIDTH).for_each(|lane| rng.name_lane(lane, pixel, first + lane as u32));
+        rng
+    }
+
     /// See [`Sampler::camera_dims`].
     #[inline(always)]
     pub(super) fn camera_numbers<R: Real>(&self, rng: &mut Sampler<R>, lens: bool) -> [R; CAMERA] {

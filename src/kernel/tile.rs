@@ -183,16 +183,25 @@ pub struct CameraPacket<R: Real> {
     pub active: R::Mask,
 }
 
+/// Camera samples without rays yet: their numbers, pixels (column, row) and slots.
+struct Started<R: Real> {
+    rng: Sampler<R>,
+    x: R,
+    y: R,
+    slot: R::Bits,
+    active: R::Mask,
+}
+
 impl<'a, R: Real> CameraQueue<'a, R> {
     pub fn new(world: &'a World, job: &'a Job) -> Self {
         CameraQueue { world, job, column: 0, row: 0, sample: 0, slot: 0, lanes: PhantomData }
     }
 
-    /// On to the next sample: slots are in the order of pixels, row by row, and their samples.
+    /// On by `count` samples of the same pixel: slots are in the order of pixels, row by row, and their samples.
     #[inline(always)]
-    fn step(&mut self) {
-        self.slot += 1;
-        self.sample += 1;
+    fn step(&mut self, count: u32) {
+        self.slot += count;
+        self.sample += count;
         if self.sample == self.job.samples {
             (self.sample, self.column) = (0, self.column + 1);
             if self.column == self.job.width {
@@ -201,16 +210,37 @@ impl<'a, R: Real> CameraQueue<'a, R> {
         }
     }
 
-    /// The next packet of camera samples: the samples of a pixel side by side, so that rays are coherent. `None` where
-    /// the job has no more.
-    #[inline(never)]
-    pub fn next_packet<M: Mode>(&mut self, trace: bool) -> Option<CameraPacket<R>> {
-        let (mut x, mut y) = (R::zero(), R::zero());
-        let mut rng = Sampler::<R>::idle();
-        let mut slot = R::Bits::splat(0);
-        let mut made = 0;
+    /// The next samples and their numbers.
+    #[inline(always)]
+    fn start(&mut self) -> Option<Started<R>> {
         let job = self.job;
-        while made < R::WIDTH && self.row < job.height && job.width > 0 && job.samples > 0 {
+        if self.row >= job.height || job.width == 0 || job.samples == 0 {
+            return None;
+        }
+        let (px, py) = (job.x + self.column, job.y + self.row);
+        if job.samples - self.sample >= R::WIDTH as u32 {
+            let (pixel, sample) = (py * self.world.film.width + px, job.first_sample + self.sample);
+            let slot = R::Bits::splat(self.slot) + R::Bits::from_fn(|lane| lane as u32);
+            self.step(R::WIDTH as u32);
+            return Some(Started {
+                rng: self.world.numbers_of_pixel(job.seed, pixel, sample),
+                x: R::splat(px as f32),
+                y: R::splat(py as f32),
+                slot,
+                active: R::Mask::splat(true),
+            });
+        }
+        Some(self.start_one_by_one())
+    }
+
+    /// The same where they are of several pixels.
+    #[inline(always)]
+    fn start_one_by_one(&mut self) -> Started<R> {
+        let job = self.job;
+        let (mut x, mut y, mut slot) = (R::zero(), R::zero(), R::Bits::splat(0));
+        let mut rng = Sampler::<R>::idle();
+        let mut made = 0;
+        while made < R::WIDTH && self.row < job.height {
             let (px, py) = (job.x + self.column, job.y + self.row);
             let pixel = py * self.world.film.width + px;
             let sample = job.first_sample + self.sample;
@@ -219,12 +249,16 @@ impl<'a, R: Real> CameraQueue<'a, R> {
             y.set_lane(made, py as f32);
             slot.set_lane(made, self.slot);
             made += 1;
-            self.step();
+            self.step(1);
         }
-        let active = R::Mask::from_bits(((1u64 << made) - 1) as u32);
-        if made == 0 {
-            return None;
-        }
+        Started { rng, x, y, slot, active: R::Mask::from_bits(((1u64 << made) - 1) as u32) }
+    }
+
+    /// The next packet of camera samples: the samples of a pixel side by side, so that rays are coherent. `None` where
+    /// the job has no more.
+    #[inline(never)]
+    pub fn next_packet<M: Mode>(&mut self, trace: bool) -> Option<CameraPacket<R>> {
+        let Started { mut rng, x, y, slot, active } = self.start()?;
         let lens = self.world.plan.lens;
         let u = self.world.camera_numbers(&mut rng, lens);
         let (x, y) = (x + u[PIXEL], y + u[PIXEL + 1]);

@@ -1,8 +1,9 @@
 //! The emitting primitives: one row each, chosen by power.
 
-use super::alias::{MAX_ENTRIES, Table};
+use super::alias::MAX_ENTRIES;
+use super::by_power::ByPower;
 use super::grid::{ChoiceGrid, Lamp, Receivers};
-use super::inversion::{Choice, Inversion};
+use super::inversion::Choice;
 use super::reach::Reach;
 use super::sample::LightPoint;
 use super::sphere::{self, sphere_pdf};
@@ -218,59 +219,6 @@ impl AreaLights {
         let (triangles, spheres) = self.primitives.split_at(self.first_sphere);
         let on_sphere = || spheres.binary_search(&primitive).ok().map(|i| i + self.first_sphere);
         triangles.binary_search(&primitive).ok().or_else(on_sphere)
-    }
-}
-
-/// More lights than this are not put side by side in one number's 2²⁴ values, which would round their shares too much.
-const MOST_IN_A_ROW: usize = 1024;
-
-/// A light by its power.
-enum ByPower {
-    /// There is one.
-    Only,
-    /// Neighbours in the list are neighbours in the number.
-    InARow(Inversion),
-    /// By a number of its own.
-    Apart(Table),
-}
-
-impl ByPower {
-    /// In proportion to `powers`, with the probabilities it yields.
-    fn build(powers: &[f64]) -> (Self, Vec<f64>) {
-        if powers.len() == 1 {
-            return (Self::Only, vec![1.0]);
-        }
-        if powers.len() > MOST_IN_A_ROW {
-            let (table, probability) = Table::build(powers);
-            return (Self::Apart(table), probability);
-        }
-        // Relative to the strongest, because powers may leave the range of f32 where their ratios do not.
-        let strongest = powers.iter().copied().fold(0.0, f64::max);
-        let relative: Vec<f32> = powers.iter().map(|power| (power / strongest) as f32).collect();
-        let mut inversion = Inversion::new(1, powers.len());
-        let mut probability = vec![0.0; powers.len()];
-        inversion.tables().iter_mut().for_each(|table| {
-            table.fill(&relative, &mut probability);
-        });
-        (Self::InARow(inversion), probability)
-    }
-
-    /// By `u[0]` and, where its digits end, `fine`; what is left of `u[0]` is in the choice.
-    #[inline(always)]
-    fn choose<R: Real>(&self, u: [R; 2], fine: R) -> Choice<R> {
-        match self {
-            Self::Only => Choice { entry: R::Bits::splat(0), rest: u[0] },
-            Self::InARow(inversion) => inversion.choose_first(u[0], fine),
-            Self::Apart(table) => Choice { entry: table.choose(fine, u), rest: u[0] },
-        }
-    }
-
-    fn memory(&self) -> usize {
-        match self {
-            Self::Only => 0,
-            Self::InARow(inversion) => inversion.bytes(),
-            Self::Apart(table) => table.memory(),
-        }
     }
 }
 

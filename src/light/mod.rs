@@ -10,6 +10,7 @@
 
 mod alias;
 mod area;
+mod by_power;
 mod delta;
 mod density;
 mod environment;

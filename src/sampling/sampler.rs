@@ -68,6 +68,20 @@ impl<R: Real> Sampler<R> {
         }
     }
 
+    /// Samples `first` … of `pixel`, one a lane.
+    #[inline(always)]
+    pub fn of_pixel(kind: SamplerKind, seed: u64, pixel: u32, first: u32) -> Self {
+        let sample = R::Bits::splat(first) + R::Bits::from_fn(|lane| lane as u32);
+        match kind {
+            SamplerKind::Independent => Self::independent(|lane| sample_key(seed, pixel, first + lane as u32)),
+            SamplerKind::Sobol => {
+                let key = sample_key(seed, pixel, 0);
+                let [low, high] = [key as u32, (key >> 32) as u32].map(R::Bits::splat);
+                Self(Xoshiro { s: [sobol::reverse::<R>(sample), low, high, sample] })
+            }
+        }
+    }
+
     /// Starts a sample in `lane` whose numbers come from elsewhere: see [`Sampler::identity`].
     #[inline]
     pub(crate) fn name_lane(&mut self, lane: usize, pixel: u32, sample: u32) {
