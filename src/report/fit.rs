@@ -133,7 +133,8 @@ pub struct PowerLaw {
 }
 
 /// Straight line through (ln x, ln y) by least squares, each point weighing the same. `points` are x with the
-/// independent estimate of y there; those that are not positive are left out, and fewer than two x give `None`.
+/// independent estimate of y there; those that are not positive are left out. Fewer than two x give `None`, and so does a line so
+/// steep that its constant is out of range.
 ///
 /// The exponent is Σ cᵢ ln yᵢ with fixed cᵢ, so that its variance is Σ cᵢ² (sᵢ/yᵢ)² by the points' own standard errors,
 /// with the degrees of freedom of Satterthwaite (1946); the interval is of this average exponent, bent curve or not.
@@ -153,13 +154,14 @@ pub fn fit_power_law(points: &[(f64, Estimate)]) -> Option<PowerLaw> {
     let denominator: f64 = parts.map(|(part, dof)| part * part / f64::from(dof.max(1))).sum();
     let dof = if denominator > 0.0 { (variance * variance / denominator).floor().clamp(1.0, 1e6) } else { 1e6 };
     let intercept = mean_y - exponent * mean_x;
+    let constant = Some(intercept.exp()).filter(|constant| constant.is_normal())?;
     let chi_square: f64 = points
         .iter()
         .map(|(x, y)| ((y.value.ln() - intercept - exponent * x) / y.relative_error().max(1e-12)).powi(2))
         .sum();
     Some(PowerLaw {
         exponent: Estimate::student(exponent, variance.sqrt(), if variance.is_finite() { dof as u32 } else { 0 }),
-        constant: intercept.exp(),
+        constant,
         lack_of_fit: (points.len() > 2).then(|| chi_square / (n - 2.0)),
     })
 }
@@ -194,7 +196,7 @@ impl Reached {
 
 /// The budget from which on y ≤ `target`. `points` are (x, y) with x increasing; between neighbours ln y is linear in
 /// ln x, outside the points y goes on from the nearest one with the given `exponent`. `None` where there is nothing to
-/// go by, or the errors do not fall.
+/// go by, the errors do not fall, or so slowly that the budget is out of range.
 ///
 /// Its interval is that of y at the budget found, over the slope there; of a budget extrapolated the exponent's error
 /// times the distance is added, not in quadrature, since the exponent may come from the same points.
@@ -211,7 +213,8 @@ pub fn budget_for(points: &[(f64, Estimate)], target: f64, exponent: Option<Esti
         let slope = slope?;
         let far = (target / y.value).ln() / slope.value;
         let error = y.relative_error() / -slope.value + far.abs() * slope.relative_error();
-        return Some(Reached::new(x * far.exp(), error, y.dof.min(slope.dof), true));
+        let budget = Some(x * far.exp()).filter(|budget| budget.is_finite())?;
+        return Some(Reached::new(budget, error, y.dof.min(slope.dof), true));
     }
     // The last pair that falls through the target: from there on all measured errors are at most the target.
     let pair = points.windows(2).rev().find(|pair| pair[0].1.value > target)?;

@@ -2,7 +2,7 @@
 
 use crate::stats::special::student_two_sided;
 use octolux::report::fit::{
-    Estimate, budget_for, fit_power_law, mean_and_error, median, student_central, student_quantile,
+    Estimate, PowerLaw, budget_for, fit_power_law, mean_and_error, median, student_central, student_quantile,
 };
 
 /// y with a standard error too small to matter.
@@ -103,6 +103,23 @@ fn the_budget_to_an_error_is_interpolated_and_says_when_not() {
     // A curve that rises again: only from the last fall on is the error reached.
     let wavy = [(1.0, 1.0), (2.0, 0.1), (4.0, 1.0), (8.0, 0.1)].map(|(x, y)| (x, sharp(y)));
     assert!((4.0..8.0).contains(&budget_for(&wavy, 0.5, None).unwrap().budget));
+}
+
+/// Seconds that hardly differ (a loaded machine) make lines of any slope; what a report says of them must be read back.
+#[test]
+fn what_is_out_of_range_is_not_said() {
+    let points: Vec<_> = [1.0, 4.0].map(|x: f64| (x, sharp(x.powf(-1e-4)))).to_vec();
+    let slope = fit_power_law(&points).map(|law| law.exponent);
+    assert_eq!(budget_for(&points, 1e-2, slope), None, "e to the 46,000");
+    for x in [0.05, 5.0] {
+        let steep = [(x, sharp(1.0)), (x * (1.0 + 1e-5), sharp(0.5))];
+        assert_eq!(fit_power_law(&steep), None, "a constant of {x} to the 69,000");
+    }
+    let wide = [(0.05, sharp(1.0)), (0.06, sharp(0.5))];
+    for law in [fit_power_law(&points), fit_power_law(&wide)] {
+        let text = serde_json::to_string(&law).unwrap();
+        assert!(serde_json::from_str::<Option<PowerLaw>>(&text).unwrap().is_some(), "{text}");
+    }
 }
 
 #[test]
