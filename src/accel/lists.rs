@@ -59,12 +59,12 @@ impl Lists {
             let rays = E::Bits::load(&self.rays[kind][first..]);
             let words = E::Bits::load(&children.0[first..]);
             let kinds = words.shr::<30>();
-            for kind in 0..KINDS {
-                let bits = kinds.eq(E::Bits::splat(kind as u32)).bits();
-                let place = counts.0[kind].min(RAYS);
-                E::from_bits(rays).compress(bits).to_bits().store(&mut self.rays[kind][place..]);
-                E::from_bits(words).compress(bits).to_bits().store(&mut self.children[kind][place..]);
-                counts.0[kind] += bits.count_ones() as usize;
+            for to in 0..KINDS {
+                let bits = kinds.eq(E::Bits::splat(to as u32)).bits();
+                let place = counts.0[to].min(RAYS);
+                E::from_bits(rays).compress(bits).to_bits().store(&mut self.rays[to][place..]);
+                E::from_bits(words).compress(bits).to_bits().store(&mut self.children[to][place..]);
+                counts.0[to] += bits.count_ones() as usize;
             }
         }
     }

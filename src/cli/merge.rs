@@ -25,6 +25,7 @@ pub fn run(args: &MergeArgs) -> Result<bool, CliError> {
         return Err(CliError::Usage("nothing to write: give -o OUT.exr, --png OUT.png or --state OUT.state".into()));
     }
     check_folders(args.images.files().chain(args.state.as_deref()))?;
+    // What is merged may take the place of a part, an image may not.
     check_apart(args.images.files(), args.parts.iter().map(PathBuf::as_path))?;
     check_apart(args.images.files().chain(args.state.as_deref()), [])?;
     let phase = Phase::begin("reading states", args.quiet);

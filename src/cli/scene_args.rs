@@ -112,8 +112,8 @@ pub fn parse_size(text: &str) -> Result<FilmSize, String> {
         .and_then(|(w, h)| Some(FilmSize { width: side(w)?, height: side(h)? }))
         .filter(|size| size.is_possible())
         .ok_or_else(|| {
-            let most = FilmSize::MOST_PIXELS;
-            format!("write WIDTHxHEIGHT, each 1 to 65536 and at most {most} pixels in all, as in 640x480")
+            let (longest, most) = (FilmSize::LONGEST_SIDE, FilmSize::MOST_PIXELS);
+            format!("write WIDTHxHEIGHT, each 1 to {longest} and at most {most} pixels in all, as in 640x480")
         })
 }
 

@@ -19,9 +19,9 @@ pub struct Inversion {
     buckets: usize,
     /// `entries` + 1 values a table, 0 first.
     cumulative: Vec<u32>,
-    /// `buckets` + 1 a table: the entry at which a bucket's numbers begin.
+    /// `buckets` + 1 a table: the entry at which a bucket's numbers begin. Empty where entries are fewer than [`FEW`].
     guide: Vec<u32>,
-    /// Where entries are fewer than [`FEW`], the cumulative values of each table, the last 1 whatever they are, and infinity past
+    /// Where they are, the cumulative values of each table, the last 1 whatever they are, and infinity past
     /// it: any number falls somewhere.
     rows: Vec<[f32; FEW]>,
 }
@@ -29,8 +29,13 @@ pub struct Inversion {
 /// One table while it is made.
 pub struct Table<'a> {
     cumulative: &'a mut [u32],
-    guide: &'a mut [u32],
-    row: Option<&'a mut [f32; FEW]>,
+    finder: Finder<'a>,
+}
+
+/// By what its entries are found.
+enum Finder<'a> {
+    Guide(&'a mut [u32]),
+    Row(&'a mut [f32; FEW]),
 }
 
 /// Entries chosen, and where in them the number fell, again uniform in [0, 1).
@@ -43,11 +48,11 @@ impl Inversion {
     /// Room for `tables` of `entries` ≥ 1 each; nothing can be chosen until they are filled.
     pub fn new(tables: usize, entries: usize) -> Self {
         let buckets = entries.div_ceil(ENTRIES_PER_BUCKET).next_power_of_two();
-        let (cumulative, guide) = (vec![0; tables * (entries + 1)], vec![0; tables * (buckets + 1)]);
         let mut unfilled = [f32::INFINITY; FEW];
         unfilled[0] = 0.0;
-        let rows = vec![unfilled; if entries < FEW { tables } else { 0 }];
-        Self { entries, buckets, cumulative, guide, rows }
+        let (searched, compared) = if entries < FEW { (0, tables) } else { (tables, 0) };
+        let cumulative = vec![0; tables * (entries + 1)];
+        Self { entries, buckets, cumulative, guide: vec![0; searched * (buckets + 1)], rows: vec![unfilled; compared] }
     }
 
     pub fn bytes(&self) -> usize {
@@ -56,11 +61,10 @@ impl Inversion {
 
     /// The tables, to be filled in any order.
     pub fn tables(&mut self) -> Vec<Table<'_>> {
+        let guides = self.guide.chunks_exact_mut(self.buckets + 1).map(Finder::Guide);
+        let finders = guides.chain(self.rows.iter_mut().map(Finder::Row));
         let cumulative = self.cumulative.chunks_exact_mut(self.entries + 1);
-        let guide = self.guide.chunks_exact_mut(self.buckets + 1);
-        let rows = self.rows.iter_mut().map(Some).chain(core::iter::repeat_with(|| None));
-        let parts = cumulative.zip(guide).zip(rows);
-        parts.map(|((cumulative, guide), row)| Table { cumulative, guide, row }).collect()
+        cumulative.zip(finders).map(|(cumulative, finder)| Table { cumulative, finder }).collect()
     }
 
     /// How many of the 2²⁴ numbers choose `entry` of a table.
@@ -167,19 +171,26 @@ impl Table<'_> {
             self.cumulative[i + 1] = end as u32;
             probability[i] = f64::from(self.cumulative[i + 1] - self.cumulative[i]) / GRID;
         }
-        if let Some(row) = &mut self.row {
-            row.iter_mut().zip(&*self.cumulative).for_each(|(value, &sum)| *value = sum as f32);
-            row[self.cumulative.len() - 1] = GRID as f32;
-        }
-        let buckets = self.guide.len() - 1;
-        let mut entry = 0;
-        for (bucket, guide) in self.guide.iter_mut().enumerate() {
-            let begins = (bucket * ((1 << 24) / buckets)) as u32;
-            while entry < last && self.cumulative[entry + 1] <= begins {
-                entry += 1;
+        match &mut self.finder {
+            Finder::Guide(guide) => point(guide, self.cumulative, last),
+            Finder::Row(row) => {
+                row.iter_mut().zip(&*self.cumulative).for_each(|(value, &sum)| *value = sum as f32);
+                row[self.cumulative.len() - 1] = GRID as f32;
             }
-            *guide = entry as u32;
         }
         total
+    }
+}
+
+/// Points each bucket of a guide at the entry where its numbers begin, `last` at most.
+fn point(guide: &mut [u32], cumulative: &[u32], last: usize) {
+    let buckets = guide.len() - 1;
+    let mut entry = 0;
+    for (bucket, guide) in guide.iter_mut().enumerate() {
+        let begins = (bucket * ((1 << 24) / buckets)) as u32;
+        while entry < last && cumulative[entry + 1] <= begins {
+            entry += 1;
+        }
+        *guide = entry as u32;
     }
 }

@@ -37,8 +37,8 @@ impl Scene {
             self.film.is_possible(),
             || "film".into(),
             || {
-                let most = FilmSize::MOST_PIXELS;
-                format!("{} × {} pixels; each side is in 1 … 65536, {most} at most in all", sides[0], sides[1])
+                let (longest, most) = (FilmSize::LONGEST_SIDE, FilmSize::MOST_PIXELS);
+                format!("{} × {} pixels; each side is in 1 … {longest}, {most} at most in all", sides[0], sides[1])
             },
         )?;
         for (i, material) in self.materials.iter().enumerate() {
