@@ -5,6 +5,7 @@ use super::leaf::EdgeValues;
 use super::lists::{Chosen, Lists};
 use super::node::Child;
 use super::tree::{OneHit, STACK};
+use super::visits::Visits;
 use crate::geometry::{Hit, MISS, Ray, RaySetup};
 use crate::lane::{Bits, Mask, Real};
 use std::cell::RefCell;
@@ -19,11 +20,8 @@ pub type Rays = u128;
 /// take.
 pub const FLOOR: usize = 8;
 
-/// Children that a ray may be [given](Flight::give) before it sets out.
-pub const GIVEN: usize = 64;
-
 /// Places of one ray's stack.
-const PLACES: usize = FLOOR + GIVEN + STACK;
+const PLACES: usize = FLOOR + STACK;
 
 /// Primitives between whose edges rays passed in the blocks where they are.
 pub struct Candidates {
@@ -67,6 +65,7 @@ pub struct Flight {
     pub candidates: Candidates,
     pub lists: Lists,
     pub chosen: Chosen,
+    pub visits: Visits,
     pub stacks: Stacks,
     /// Have the stacks their floors? Nothing is ever written there again.
     floored: bool,
@@ -80,6 +79,7 @@ thread_local! {
             best: Best { t: [0.0; RAYS], primitive: [0; RAYS], u: [0.0; RAYS], v: [0.0; RAYS] },
             lists: Lists::EMPTY,
             chosen: Chosen::NONE,
+            visits: Visits::NONE,
             top: [0; RAYS],
             candidates: Candidates { edges: [EdgeValues::ZERO; RAYS], words: [0; 8 * RAYS + 8] },
             stacks: Stacks { t_near: [0.0; RAYS * PLACES], child: [0; RAYS * PLACES] },
@@ -110,7 +110,7 @@ impl Best {
 }
 
 impl Flight {
-    /// Lays out the packet of rays `first` …, none of which has hit anything or been given a child.
+    /// Lays out the packet of rays `first` …, none of which has hit anything.
     #[inline(always)]
     pub fn board<R: Real>(&mut self, first: usize, setup: &RaySetup<R>, t_max: R) {
         self.lanes.set(first, setup, t_max);
@@ -141,18 +141,6 @@ impl Flight {
         }
         self.floored = true;
     }
-
-    /// Leaves `child` to each of the rays `first` + `bits`, on which they will find it: at most [`GIVEN`] to each.
-    #[inline(always)]
-    pub fn give(&mut self, first: usize, bits: u32, child: Child) {
-        for i in ones(bits).map(|lane| (first + lane) % RAYS) {
-            let top = self.top[i] as usize;
-            // Open whatever is hit before.
-            self.stacks.t_near[top] = 0.0;
-            self.stacks.child[top] = child.0;
-            self.top[i] = top as u32 + 1;
-        }
-    }
 }
 
 /// Lays out packets; their live lanes as bits.
@@ -165,6 +153,12 @@ pub fn board<R: Real>(flight: &mut Flight, rays: &[Ray<R>], active: &[R::Mask]) 
         bits |= Rays::from((*active & ray.usable()).bits()) << first;
     }
     bits
+}
+
+/// Those of packet `k`.
+#[inline(always)]
+pub fn packet_of<R: Real>(bits: Rays, k: usize) -> R::Mask {
+    R::Mask::from_bits((bits >> (k * R::WIDTH)) as u32 & (u32::MAX >> (32 - R::WIDTH)))
 }
 
 /// The rays of `bits`.

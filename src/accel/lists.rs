@@ -11,7 +11,7 @@ pub const POPS: usize = 2;
 const KINDS: usize = 3;
 
 /// Rays and their children are listed eight at a time, whatever follows the last.
-const ROOM: usize = RAYS + 8;
+pub const ROOM: usize = RAYS + 8;
 
 /// Rays by the [kind](Child::kind) of what they go to next, and that beside each: its address then does not wait for the
 /// ray's number.
@@ -41,9 +41,10 @@ impl Counts {
 impl Lists {
     pub const EMPTY: Self = Self { rays: [[0; ROOM]; KINDS], children: [[0; ROOM]; KINDS] };
 
-    /// Lists one ray.
+    /// Lists one ray and the node or block it goes to.
     #[inline(always)]
-    pub fn push(&mut self, counts: &mut Counts, ray: usize, child: Child, kind: usize) {
+    pub fn push(&mut self, counts: &mut Counts, ray: usize, child: Child) {
+        let kind = child.kind() as usize;
         let place = counts.0[kind] % RAYS;
         self.rays[kind][place] = ray as u32;
         self.children[kind][place] = child.0;
@@ -77,6 +78,11 @@ impl Lists {
     #[inline(always)]
     pub fn ray(&self, kind: usize, k: usize) -> usize {
         self.rays[kind][k % RAYS] as usize % RAYS
+    }
+    /// The rays of a list and their children.
+    #[inline(always)]
+    pub fn of(&self, kind: usize) -> (&[u32; ROOM], &[u32; ROOM]) {
+        (&self.rays[kind], &self.children[kind])
     }
     #[inline(always)]
     pub fn child(&self, kind: usize, k: usize) -> Child {

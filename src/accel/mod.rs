@@ -17,6 +17,7 @@ mod group;
 mod interval;
 mod lanes;
 mod leaf;
+mod leaves;
 mod lists;
 mod node;
 mod packet;
@@ -27,6 +28,7 @@ mod single;
 mod sphere_block;
 mod stream;
 mod tree;
+mod visits;
 
 use crate::geometry::{Bounds, Hit, Ray, RaySetup};
 use crate::lane::Real;

@@ -1,19 +1,22 @@
 //! Shadow rays: together where they go the same way, each on its own from where they part.
 
-use super::flight::{FLIGHT, Flight, GIVEN, RAYS, Rays, board};
+use super::flight::{FLIGHT, Flight, RAYS, Rays, board, packet_of};
 use super::interval::{Interval, Segments};
 use super::lanes::ones;
 use super::node::{Child, Node};
-use super::stream::any_of;
 use super::tree::{Block, PacketRay, STACK, Tree};
+use super::visits::{any_from_root, any_of};
 use super::{Accel, Mode, Shadow, Single, Stream};
 use crate::geometry::slab::slab;
 use crate::geometry::{Hit, Ray, RaySetup};
-use crate::lane::{Mask, Real, axes};
+use crate::lane::{MAX_WIDTH, Mask, Real, axes};
 use std::cell::RefCell;
 
-/// Where no more than one of this many lanes enters a child they leave the packet for it. Found by measuring.
-const FEW: usize = 4;
+/// Where no more than this many of 16 lanes enter a child they leave the packet for it. Found by measuring.
+const FEW: usize = 6;
+
+/// Children that a packet may leave at most.
+const LEFT: usize = 64;
 
 /// A child still to visit, and the lanes that enter it.
 #[derive(Clone, Copy)]
@@ -76,8 +79,31 @@ impl<R: Real> Around<R> for Segments<R::Eight> {
     }
 }
 
+/// What a packet leaves to its rays.
+struct Left {
+    /// A node's children may be stored past the last.
+    entries: [Entry; LEFT + 8],
+    len: usize,
+}
+
+impl Left {
+    /// Lays out the packet of rays `first` … if there is anything left to the lanes that are `open`, and lists their visits; the
+    /// lanes that then have some.
+    #[inline(always)]
+    fn board<R: Real>(&self, flight: &mut Flight, first: usize, setup: &RaySetup<R>, t_max: R, open: R::Mask) -> u32 {
+        if self.len == 0 {
+            return 0;
+        }
+        flight.board(first, setup, t_max);
+        let open = open.bits();
+        let entries = self.entries[..self.len].iter().map(|entry| (entry.child, entry.lanes & open));
+        flight.visits.add::<R>(first, entries);
+        open
+    }
+}
+
 /// Walks the tree for any hits: `leaf` tests places of a block against the lanes that enter it, and returns the lanes still
-/// wanted. `left` is offered the lanes that enter a child; where it takes them, the packet goes no further there.
+/// wanted. Children that few lanes enter are `left` to those, while there is room.
 ///
 /// The lanes are tested against the children of a node at once and without a branch, since what some lane of 16 meets is
 /// anybody's guess.
@@ -88,17 +114,18 @@ fn walk<B: Block, R: Real>(
     around: impl Around<R>,
     active: R::Mask,
     t_max: R,
-    mut left: impl FnMut(Child, R::Mask) -> bool,
+    left: &mut Left,
     mut leaf: impl FnMut(&B, u32, R::Mask) -> R::Mask,
 ) {
     ENTRIES.with_borrow_mut(|stack| {
         let (mut open, mut len) = (active.bits(), usize::from(tree.root != Child::NONE));
         stack[0] = Entry { child: tree.root, lanes: open };
+        left.len = 0;
         while let Some(last) = len.checked_sub(1) {
             len = last;
             let Entry { child, lanes } = stack[len];
             let lanes = lanes & open;
-            if lanes == 0 || left(child, R::Mask::from_bits(lanes)) {
+            if lanes == 0 {
                 continue;
             }
             if child.is_leaf() {
@@ -108,7 +135,9 @@ fn walk<B: Block, R: Real>(
             }
             let node = &tree.nodes[child.index()];
             let entries = &mut stack[len..len + 8];
-            let mut count = 0;
+            let leaves = &mut left.entries[left.len..left.len + 8];
+            let few = if left.len + 8 <= LEFT { R::WIDTH * FEW / MAX_WIDTH } else { 0 };
+            let (mut count, mut count_left) = (0, 0);
             for slot in ones(around.entered(node)) {
                 let slot = slot % 8;
                 let (t_near, t_far) = around.enter(node, slot, setup);
@@ -116,42 +145,30 @@ fn walk<B: Block, R: Real>(
                 if tree.far {
                     tree.prefetch(Child(node.children[slot]));
                 }
-                entries[count % 8] = Entry { child: Child(node.children[slot]), lanes };
-                count += usize::from(lanes != 0);
+                let entry = Entry { child: Child(node.children[slot]), lanes };
+                let many = lanes.count_ones() as usize > few;
+                entries[count % 8] = entry;
+                leaves[count_left % 8] = entry;
+                count += usize::from(many);
+                count_left += usize::from(!many & (lanes != 0));
             }
             len += count;
+            left.len += count_left;
         }
     })
 }
 
-/// Which rays of a packet, `first` … of the flight, hit anything of a tree: the packet goes as far as it holds together,
-/// and the rays finish what it left to them in flight with those of the other packets. Those are added to `given`.
+/// The lanes of a packet that have hit nothing of a tree as far as it holds together; what is `left` they visit on their own.
 #[inline(always)]
 fn together<B: Block, R: Real>(
     tree: &Tree<B>,
-    flight: &mut Flight,
-    first: usize,
+    left: &mut Left,
     setup: &RaySetup<R>,
     t_max: R,
     active: R::Mask,
-    given: &mut Rays,
 ) -> R::Mask {
     let ray = PacketRay::new(setup, active);
     let mut open = active;
-    let mut gifts = 0;
-    let leave = |child: Child, lanes: R::Mask| {
-        let bits = lanes.bits();
-        if bits.count_ones() as usize * FEW > R::WIDTH || gifts == GIVEN {
-            return false;
-        }
-        if gifts == 0 {
-            flight.board(first, setup, t_max);
-        }
-        gifts += 1;
-        *given |= Rays::from(bits) << first;
-        flight.give(first, bits, child);
-        true
-    };
     let leaf = |block: &B, places: u32, inside: R::Mask| {
         open = open & !block.any_packet(&ray, places, t_max, inside & open);
         open
@@ -159,34 +176,34 @@ fn together<B: Block, R: Real>(
     let interval = Interval::<R::Eight>::new(setup, ray.negative, active);
     if let (Some(interval), Some(negative)) = (interval, ray.negative) {
         let farthest = R::select(active, t_max, R::zero()).highest();
-        walk(tree, setup, Beam { interval, negative, farthest }, active, t_max, leave, leaf);
+        walk(tree, setup, Beam { interval, negative, farthest }, active, t_max, left, leaf);
     } else {
-        walk(tree, setup, Segments::new(setup, t_max, active), active, t_max, leave, leaf);
+        walk(tree, setup, Segments::new(setup, t_max, active), active, t_max, left, leaf);
     }
-    active & !open
+    open
 }
 
 /// At most [`RAYS`] rays.
 #[inline(never)]
 fn any<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
     FLIGHT.with_borrow_mut(|flight| {
-        let (mut all, mut hidden, mut given) = (0, 0, 0);
-        let lanes =
-            |k: usize, bits: Rays| R::Mask::from_bits((bits >> (k * R::WIDTH)) as u32 & (u32::MAX >> (32 - R::WIDTH)));
+        let (mut all, mut hidden, mut visiting) = (0, 0, 0);
+        let mut left = Left { entries: [Entry { child: Child::NONE, lanes: 0 }; LEFT + 8], len: 0 };
         for (k, (ray, active)) in rays.iter().zip(active).enumerate() {
             let (setup, first) = (RaySetup::new(ray), k * R::WIDTH);
             let usable = *active & ray.usable();
             all |= Rays::from(usable.bits()) << first;
-            let hit = together(&accel.triangle_tree, flight, first, &setup, ray.t_max, usable, &mut given);
-            hidden |= Rays::from(hit.bits()) << first;
+            let open = together(&accel.triangle_tree, &mut left, &setup, ray.t_max, usable);
+            hidden |= Rays::from((usable & !open).bits()) << first;
+            visiting |= Rays::from(left.board(flight, first, &setup, ray.t_max, open)) << first;
         }
-        hidden |= any_of::<_, R>(&accel.triangle_tree, flight, given & !hidden, true);
+        hidden |= any_of::<_, R>(&accel.triangle_tree, flight, visiting);
         if accel.sphere_tree.root != Child::NONE {
             board(flight, rays, active);
-            hidden |= any_of::<_, R>(&accel.sphere_tree, flight, all & !hidden, false);
+            hidden |= any_from_root::<_, R>(&accel.sphere_tree, flight, all & !hidden);
         }
         for (k, found) in found.iter_mut().enumerate() {
-            *found = lanes(k, hidden);
+            *found = packet_of::<R>(hidden, k);
         }
     })
 }

@@ -7,24 +7,17 @@
 //! it is known beforehand: a processor overlaps some three node tests, and only if nothing is stored at an address that
 //! one of them has yet to find.
 
-use super::flight::{Best, Candidates, FLIGHT, FLOOR, Flight, RAYS, Rays, Stacks, board, rays};
+use super::flight::{Best, FLIGHT, FLOOR, Flight, RAYS, Rays, Stacks, board, packet_of, rays};
 use super::lanes::Lanes;
-use super::leaf::Found;
+use super::leaves::Leaves;
 use super::lists::{BLOCKS, Chosen, Counts, Lists, NODES, POPS};
 use super::node::{Child, Node};
-use super::tree::{Block, OneHit, Tree};
+use super::tree::{Block, Tree};
+use super::visits::any_from_root;
 use super::{Accel, Mode, Single, Stream};
-use crate::geometry::{Hit, MISS, Ray, RaySetup};
-use crate::lane::array::{from_fn, map};
-use crate::lane::{Bits, Mask, Real};
+use crate::geometry::{Hit, Ray, RaySetup};
+use crate::lane::{Bits, Real};
 use core::hint::select_unpredictable;
-
-/// Fewer candidates than this are met one after another, more side by side. Found by measuring.
-const FEW: usize = 4;
-
-/// Is told of each candidate: the ray and how it hits, at [`OneHit::NEVER`] if not.
-pub trait Keep: Fn(&mut Best, usize, OneHit) {}
-impl<F: Fn(&mut Best, usize, OneHit)> Keep for F {}
 
 /// The rays of a flight on their way through a tree.
 struct Walk<'a, B> {
@@ -90,88 +83,19 @@ impl<B: Block> Walk<'_, B> {
             self.top[i] = below as u32 + (open | 1).ilog2();
         }
     }
-
-    /// Lists as candidates what the first `count` rays at blocks may hit there; how many.
-    #[inline(always)]
-    fn edges<E: Real>(&self, count: usize, lanes: &Lanes<RAYS>, found: &mut Candidates) -> usize {
-        let mut passed = [0u32; RAYS];
-        for k in 0..count {
-            let i = self.lists.ray(BLOCKS, k);
-            let block = &self.tree.blocks[self.lists.child(BLOCKS, k).index()];
-            passed[k % RAYS] = block.passed(&lanes.ray::<E>(i), &mut found.edges[k % RAYS]);
-        }
-        let places = E::Bits::load(&[0, 1, 2, 3, 4, 5, 6, 7]);
-        let mut len = 0;
-        for (k, bits) in passed[..count].iter().enumerate() {
-            let all = E::from_bits(places + E::Bits::splat(8 * k as u32));
-            all.compress(*bits).to_bits().store(&mut found.words[len..]);
-            len += bits.count_ones() as usize;
-        }
-        // Past the end stands the last again: a hit twice changes nothing.
-        if len > 0 {
-            E::Bits::splat(found.words[len - 1]).store(&mut found.words[len..]);
-        }
-        len
-    }
-
-    /// Meets the first `len` candidates.
-    #[inline(always)]
-    fn meet<E: Real>(&self, len: usize, lanes: &Lanes<RAYS>, found: &Candidates, best: &mut Best, keep: impl Keep) {
-        let eights = if len % 8 < FEW { len - len % 8 } else { len };
-        for first in (0..eights).step_by(8) {
-            self.meet_eight::<E>(first, lanes, found, best, &keep);
-        }
-        for at in eights..len {
-            let (k, place) = found.at(at);
-            let i = self.lists.ray(BLOCKS, k);
-            let block = &self.tree.blocks[self.lists.child(BLOCKS, k).index()];
-            let (hit, found) = block.meet_one(place, &lanes.ray(i), &found.edges[k]);
-            keep(best, i, OneHit { t: select_unpredictable(hit, found.t, OneHit::NEVER), ..found });
-        }
-    }
-
-    /// Meets eight candidates from `first` on.
-    #[inline(always)]
-    fn meet_eight<E: Real>(
-        &self,
-        first: usize,
-        lanes: &Lanes<RAYS>,
-        found: &Candidates,
-        best: &mut Best,
-        keep: impl Keep,
-    ) {
-        let eight: [_; 8] = from_fn(|l| found.at(first + l));
-        let i = map(eight, |(k, _)| self.lists.ray(BLOCKS, k));
-        let ray = lanes.gather::<E>(i);
-        let blocks = map(eight, |(k, _)| &self.tree.blocks[self.lists.child(BLOCKS, k).index()]);
-        let places = map(eight, |(_, place)| place);
-        let found = Found { blocks, places, edges: map(eight, |(k, _)| &found.edges[k]) };
-        let (hits, t, u, v) = B::meet(&found, &RaySetup::new(&ray));
-        let t = E::select(hits & t.lt(ray.t_max), t, E::splat(OneHit::NEVER));
-        let mut columns = [[0.0; 8]; 3];
-        for (column, values) in columns.iter_mut().zip([t, u, v]) {
-            values.store(column);
-        }
-        let [t, u, v] = columns;
-        for (l, i) in i.into_iter().enumerate() {
-            keep(best, i, OneHit { primitive: blocks[l].id(places[l]), t: t[l], u: u[l], v: v[l] });
-        }
-    }
 }
 
-/// Walks the rays of `bits` from the root on, or what they were [given](Flight::give). `keep` is told of each that meets a
-/// primitive whether it hits, and how.
+/// The closest hits of the rays of `bits` in a tree, beside what they have already.
 #[inline(always)]
-pub fn walk<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays, given: bool, keep: impl Keep) {
-    if tree.root == Child::NONE || bits == 0 {
+fn walk<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays) {
+    if tree.root == Child::NONE {
         return;
     }
     let Flight { lanes, best, stacks, top, candidates, lists, chosen, .. } = flight;
     let mut walk = Walk { tree, stacks, top: *top, lists, chosen };
     let mut counts = Counts::default();
     for i in rays(bits) {
-        let kind = if given { POPS } else { tree.root.kind() as usize };
-        walk.lists.push(&mut counts, i, tree.root, kind);
+        walk.lists.push(&mut counts, i, tree.root);
     }
     while !counts.none() {
         let nodes = counts.take(NODES);
@@ -180,8 +104,10 @@ pub fn walk<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays, 
         }
         walk.send::<R::Eight>(&mut counts, NODES, nodes, best);
         let blocks = counts.take(BLOCKS);
-        let found = walk.edges::<R::Eight>(blocks, lanes, candidates);
-        walk.meet::<R::Eight>(found, lanes, candidates, best, &keep);
+        let (rays, children) = walk.lists.of(BLOCKS);
+        let leaves = Leaves { tree, rays, children };
+        let found = leaves.edges::<R::Eight>(blocks, lanes, candidates);
+        leaves.meet::<R::Eight>(found, lanes, candidates, best, Best::keep);
         walk.pop_all::<R::Eight>(BLOCKS, blocks, best);
         walk.send::<R::Eight>(&mut counts, BLOCKS, blocks, best);
         let pops = counts.take(POPS);
@@ -195,10 +121,10 @@ pub fn walk<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays, 
 fn closest<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &mut [Hit<R>]) {
     FLIGHT.with_borrow_mut(|flight| {
         let bits = board(flight, rays, active);
-        walk::<_, R>(&accel.triangle_tree, flight, bits, false, Best::keep);
+        walk::<_, R>(&accel.triangle_tree, flight, bits);
         if accel.sphere_tree.root != Child::NONE {
             flight.empty_stacks(0, rays.len() * R::WIDTH);
-            walk::<_, R>(&accel.sphere_tree, flight, bits, false, Best::keep);
+            walk::<_, R>(&accel.sphere_tree, flight, bits);
         }
         for (k, hit) in hits.iter_mut().enumerate() {
             *hit = flight.best.packet(k * R::WIDTH);
@@ -206,30 +132,15 @@ fn closest<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &m
     })
 }
 
-/// Which rays of `bits` hit anything of a tree; those that do not are left.
-#[inline(always)]
-pub fn any_of<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays, given: bool) -> Rays {
-    walk::<B, R>(tree, flight, bits, given, |best, i, found| {
-        let hit = found.t.is_sign_positive();
-        best.primitive[i] = select_unpredictable(hit, 0, best.primitive[i]);
-        // Nothing on its stack is entered so soon, but the floor.
-        best.t[i] = select_unpredictable(hit, f32::NEG_INFINITY, best.t[i]);
-    });
-    rays(bits).fold(0, |hits, i| hits | Rays::from(flight.best.primitive[i] != MISS) << i)
-}
-
 /// Which of at most [`RAYS`] rays hit anything.
 #[inline(never)]
 fn any<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
     FLIGHT.with_borrow_mut(|flight| {
         let bits = board(flight, rays, active);
-        let mut all = any_of::<_, R>(&accel.triangle_tree, flight, bits, false);
-        if accel.sphere_tree.root != Child::NONE {
-            flight.empty_stacks(0, rays.len() * R::WIDTH);
-            all |= any_of::<_, R>(&accel.sphere_tree, flight, bits & !all, false);
-        }
+        let mut all = any_from_root::<_, R>(&accel.triangle_tree, flight, bits);
+        all |= any_from_root::<_, R>(&accel.sphere_tree, flight, bits & !all);
         for (k, found) in found.iter_mut().enumerate() {
-            *found = R::Mask::from_bits((all >> (k * R::WIDTH)) as u32 & (u32::MAX >> (32 - R::WIDTH)));
+            *found = packet_of::<R>(all, k);
         }
     })
 }

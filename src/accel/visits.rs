@@ -1,0 +1,149 @@
+//! Any hit, each ray on its own: whatever it hits ends it, so that its visits to nodes and blocks need know nothing of each
+//! other, and have neither an order nor a stack for each ray.
+
+use super::flight::{Best, Flight, RAYS, Rays, packet_of, rays};
+use super::lanes::Lanes;
+use super::leaves::Leaves;
+use super::lists::ROOM;
+use super::node::Child;
+use super::tree::{Block, MAX_DEPTH, Tree};
+use crate::geometry::MISS;
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real};
+use core::hint::select_unpredictable;
+
+/// Nodes that are visited in one go. Found by measuring, with 32 and 128.
+const TOGETHER: usize = 64;
+
+/// Visits of a kind that may wait. Beyond that nodes are visited one at a time, so that each level of the tree leaves seven
+/// more at most.
+const MOST: usize = 4096;
+
+/// A register is stored past the last.
+const PLACES: usize = MOST + 7 * MAX_DEPTH + MAX_WIDTH;
+
+/// Which list visits are in.
+const NODES: usize = 0;
+const BLOCKS: usize = 1;
+
+/// Rays, and the child that each is to visit.
+struct List {
+    rays: [u32; PLACES],
+    children: [u32; PLACES],
+}
+
+/// Visits to come.
+pub struct Visits {
+    lists: [List; 2],
+    len: [usize; 2],
+    /// Those that are being made.
+    rays: [u32; ROOM],
+    children: [u32; ROOM],
+}
+
+impl Visits {
+    pub const NONE: Self = Self {
+        lists: [const { List { rays: [0; PLACES], children: [0; PLACES] } }; 2],
+        len: [0; 2],
+        rays: [0; ROOM],
+        children: [0; ROOM],
+    };
+
+    /// The rays `first` + lanes of each entry are to visit its child: no more than [`MOST`] visits altogether.
+    #[inline(always)]
+    pub fn add<R: Real>(&mut self, first: usize, entries: impl Iterator<Item = (Child, u32)>) {
+        let numbers = R::Bits::from_fn(|lane| lane as u32) + R::Bits::splat(first as u32);
+        // Lengths in registers: each visit's place would wait for the last one's to be written.
+        let [mut nodes, mut blocks] = self.len;
+        for (child, lanes) in entries {
+            let is_block = usize::from(child.is_leaf());
+            let list = &mut self.lists[is_block];
+            let place = select_unpredictable(is_block != 0, blocks, nodes);
+            R::from_bits(numbers).compress(lanes).to_bits().store(&mut list.rays[place..]);
+            R::Bits::splat(child.0).store(&mut list.children[place..]);
+            let count = lanes.count_ones() as usize;
+            blocks += count * is_block;
+            nodes += count * (1 - is_block);
+        }
+        self.len = [nodes, blocks];
+    }
+
+    /// Takes up to `most` visits from the end of a list, less those of rays that have hit something; how many.
+    #[inline(always)]
+    fn take(&mut self, kind: usize, most: usize, best: &Best) -> usize {
+        let (list, end) = (&self.lists[kind], self.len[kind]);
+        self.len[kind] = end - end.min(most);
+        let mut count = 0;
+        for k in self.len[kind]..end {
+            let ray = list.rays[k];
+            self.rays[count % RAYS] = ray;
+            self.children[count % RAYS] = list.children[k];
+            count += usize::from(best.t[ray as usize % RAYS] > 0.0);
+        }
+        count
+    }
+
+    /// Visits to the children that the ray of visit `k`, to a node, enters.
+    #[inline(always)]
+    fn step<B: Block, E: Real>(&mut self, k: usize, len: &mut [usize; 2], tree: &Tree<B>, lanes: &Lanes<RAYS>) {
+        let node = &tree.nodes[Child(self.children[k % RAYS]).index()];
+        let i = self.rays[k % RAYS] as usize % RAYS;
+        let bits = node.met(&lanes.crossing::<E>(i), E::splat(lanes.t_max[i]));
+        let words = E::Bits::load(&node.children);
+        let nodes = (words & E::Bits::splat(Child::LEAF)).eq(E::Bits::splat(0)).bits();
+        for (list, (len, bits)) in self.lists.iter_mut().zip(len.iter_mut().zip([bits & nodes, bits & !nodes])) {
+            E::from_bits(words).compress(bits).to_bits().store(&mut list.children[*len..]);
+            E::Bits::splat(i as u32).store(&mut list.rays[*len..]);
+            *len += bits.count_ones() as usize;
+        }
+    }
+
+    /// Takes visits to nodes and makes them.
+    #[inline(always)]
+    fn nodes<B: Block, E: Real>(&mut self, tree: &Tree<B>, lanes: &Lanes<RAYS>, best: &Best) {
+        let room = MOST.saturating_sub(self.len[NODES]) / 8;
+        let count = self.take(NODES, room.clamp(1, TOGETHER), best);
+        let (before, mut len) = (self.len, self.len);
+        for k in 0..count {
+            self.step::<B, E>(k, &mut len, tree, lanes);
+        }
+        self.len = len;
+        if tree.far {
+            let added = |kind: usize| &self.lists[kind].children[before[kind]..len[kind]];
+            added(NODES).iter().for_each(|child| tree.prefetch_node(Child(*child)));
+            added(BLOCKS).iter().for_each(|child| tree.prefetch_block(Child(*child)));
+        }
+    }
+}
+
+/// Makes the visits of the flight, and all that come of them: which rays of `bits` hit anything. Those are at −∞ thereafter.
+#[inline(always)]
+pub fn any_of<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays) -> Rays {
+    let Flight { lanes, best, candidates, visits, .. } = flight;
+    while visits.len != [0; 2] {
+        while visits.len[BLOCKS] > 0 {
+            let count = visits.take(BLOCKS, RAYS, best);
+            let leaves = Leaves { tree, rays: &visits.rays, children: &visits.children };
+            let found = leaves.edges::<R::Eight>(count, lanes, candidates);
+            leaves.meet::<R::Eight>(found, lanes, candidates, best, |best, i, found| {
+                let hit = found.t.is_sign_positive();
+                best.primitive[i] = select_unpredictable(hit, 0, best.primitive[i]);
+                best.t[i] = select_unpredictable(hit, f32::NEG_INFINITY, best.t[i]);
+            });
+        }
+        visits.nodes::<B, R::Eight>(tree, lanes, best);
+    }
+    rays(bits).fold(0, |hits, i| hits | Rays::from(flight.best.primitive[i] != MISS) << i)
+}
+
+/// [`any_of`], from the root of the tree on.
+#[inline(always)]
+pub fn any_from_root<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays) -> Rays {
+    if tree.root == Child::NONE {
+        return 0;
+    }
+    for first in (0..RAYS).step_by(R::WIDTH) {
+        let lanes = packet_of::<R>(bits, first / R::WIDTH).bits();
+        flight.visits.add::<R>(first, core::iter::once((tree.root, lanes)));
+    }
+    any_of::<B, R>(tree, flight, bits)
+}
