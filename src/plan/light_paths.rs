@@ -13,6 +13,9 @@ pub(super) fn decide(scene: &Scene, used: &BTreeSet<usize>, lamps: usize) -> (bo
     if scene.integrator.kind != IntegratorKind::Path {
         return said("only beside the integrator path");
     }
+    if scene.integrator.max_bounces == 0 {
+        return said("not where nothing scatters: the camera sees emitters by paths of its own");
+    }
     if lamps == 0 {
         return said("they start at primitives that emit, of which there are none");
     }

@@ -36,6 +36,21 @@ fn not_where_they_cannot_be() {
     assert!(!kept(&on(set.finish())));
 }
 
+/// With no scattering at all an image is of emitters alone: a light path that is connected to the camera has scattered once.
+#[test]
+fn not_where_nothing_may_scatter() {
+    for (wish, scene) in [(LightPaths::On, scenes::lambert_room()), (LightPaths::Auto, shop(false))] {
+        let mut scene = with(scene, wish);
+        scene.integrator.max_bounces = 0;
+        let film = |scene: &Scene| renders::film(&renders::world(scene, 5), 8);
+        let (found, alone) = (film(&scene), film(&with(scene.clone(), LightPaths::Off)));
+        let pixels = (0..found.height()).flat_map(|y| (0..found.width()).map(move |x| (x, y)));
+        assert!(pixels.clone().any(|(x, y)| alone.mean(x, y) != [0.0; 3]), "an emitter is seen");
+        pixels.for_each(|(x, y)| assert_eq!(found.mean(x, y), alone.mean(x, y), "{}: {x},{y}", wish.name()));
+        assert!(!kept(&scene));
+    }
+}
+
 /// Emitters that cannot be sampled start none.
 #[test]
 fn an_emitter_without_area_starts_none() {
