@@ -2,6 +2,7 @@
 
 use super::CliError;
 use super::scene_args::{SceneArgs, parse_lanes};
+use super::targets::check_apart;
 use crate::film::beside::write_beside;
 use crate::kernel::{Width, World};
 use crate::plan::{Feature, Force, GeometryMode, Plan};
@@ -73,6 +74,7 @@ pub fn run(args: &BenchArgs) -> Result<bool, CliError> {
     }
     let force = Force { general: args.general, geometry: None };
     let (scene, world, _): (_, World, _) = scene_args.world(force, false, args.quiet)?;
+    check_apart(args.json.as_deref(), scene.files.iter().map(PathBuf::as_path))?;
     let _phase = Phase::begin("measuring", args.quiet);
     let lanes = if args.lanes.is_empty() { vec![Width::native()] } else { args.lanes.clone() };
     let bench = SceneBench {
@@ -91,6 +93,7 @@ pub fn run(args: &BenchArgs) -> Result<bool, CliError> {
 fn ablate(args: &BenchArgs, scene_args: &SceneArgs) -> Result<bool, CliError> {
     let phase = Phase::begin("reading the scene", args.quiet);
     let scene = scene_args.load()?;
+    check_apart(args.json.as_deref(), scene.files.iter().map(PathBuf::as_path))?;
     drop(phase);
     let phase = Phase::begin("building trees and tables", args.quiet);
     let prepare = |plan| scene_args.prepare_plan(&scene, plan);

@@ -1,6 +1,7 @@
 //! `octolux estimate`: an estimator's error against samples and run time, on problems with known answers.
 
 use super::CliError;
+use super::targets::check_apart;
 use crate::estimate::demos::{self, Demonstration};
 use crate::estimate::expression::Expression;
 use crate::estimate::method::Method;
@@ -136,6 +137,8 @@ pub fn run(args: &EstimateArgs) -> Result<bool, CliError> {
         show(args, &demonstration)?;
         return Ok(true);
     }
+    let read = [&args.of.image, &args.of.scene].into_iter().flatten();
+    check_apart(args.json.as_deref().filter(|path| *path != Path::new("-")), read.map(PathBuf::as_path))?;
     let problem = problem(args).map_err(CliError::Usage)?;
     if args.methods.iter().any(|m| m == "help") {
         let (names, defaults) = problem.method_names();

@@ -2,7 +2,7 @@
 
 use super::CliError;
 use super::scene_args::SceneArgs;
-use super::targets::{check_folders, write_json};
+use super::targets::{check_apart, check_folders, write_json};
 use crate::kernel::{Setup, World};
 use crate::plan::{Force, Plan};
 use crate::scene::{Environment, Image, NO_NORMAL, Scene};
@@ -88,6 +88,7 @@ struct Seconds {
 pub fn run(args: &InfoArgs) -> Result<bool, CliError> {
     check_folders(args.json.as_deref().filter(|path| *path != Path::new("-")))?;
     let (scene, world, times) = args.scene.world(Force::default(), false, args.quiet)?;
+    check_apart(args.json.as_deref(), scene.files.iter().map(PathBuf::as_path))?;
     let info = Info::new(&scene, &world, Seconds { load: times.load, setup: times.setup });
     match &args.json {
         Some(path) => write_json(&info, Some(path))?,

@@ -35,6 +35,11 @@ impl LadderArgs {
         !self.ladder.is_empty()
     }
 
+    /// The image that errors are measured against.
+    pub fn reference_file(&self) -> Option<&Path> {
+        self.reference.as_deref()
+    }
+
     /// Looks at the reference before anything is rendered.
     pub fn check(&self, world: &World) -> Result<(), CliError> {
         self.reference(world).map(drop)

@@ -21,6 +21,7 @@ mod variants;
 pub use error::CliError;
 
 use clap::{CommandFactory, Parser, Subcommand};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// A CPU Monte Carlo renderer kernel: 8-wide ray packets, BRDF·cos/pdf in SoA lanes, the same bits at any width.
@@ -68,7 +69,7 @@ pub fn run() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Render(args) => render::run(&args),
         Command::Merge(args) => merge::run(&args),
-        Command::Compare(args) => crate::report::compare_command(&args).map_err(CliError::from),
+        Command::Compare(args) => compare(&args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Completions { shell } => {
@@ -88,6 +89,12 @@ pub fn run() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+fn compare(args: &crate::report::CompareArgs) -> Result<bool, CliError> {
+    let written = args.json.iter().filter(|path| path.as_os_str() != "-").chain(&args.diff);
+    targets::check_apart(written.map(PathBuf::as_path), [args.a.as_path(), args.b.as_path()])?;
+    Ok(crate::report::compare_command(args)?)
 }
 
 /// What a file says may hold control characters, which a terminal would obey.

@@ -101,6 +101,7 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     let pool = render::thread_pool(threads)?;
     // Building the tree takes the pool's threads, too.
     let (scene, mut world, mut times) = pool.install(|| args.world())?;
+    check_apart(files(args, &images), scene.files.iter().map(PathBuf::as_path))?;
     if !args.quiet {
         scene.assumptions.iter().for_each(|line| eprintln!("assumed: {line}"));
     }
@@ -110,6 +111,7 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     let pixels = f64::from(world.film.width) * f64::from(world.film.height);
     let mut options = args.options(&world, budget(args)?, images.guessed_seconds(pixels, args.aovs));
     args.ladder.check(&world)?;
+    check_memory(&world, &options)?;
     let (head, film) = args.state.begin(&scene, &world, &options)?;
     if args.unbiased {
         let _phase = Phase::begin("rendering the pilot", args.quiet);
@@ -127,9 +129,9 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     progress.finish();
     let mut summary = Summary::new(&scene.name, &world, &options, threads, &outcome, times);
     summary.resumed_samples = held;
-    // A pilot's samples are in no image.
-    if outcome.film.tiles().iter().all(|tile| tile.samples() == 0) {
-        eprintln!("interrupted before the first sample; nothing was written");
+    // Pixels without a sample would be black; and a pilot's samples are in no image.
+    if outcome.film.samples() == 0 {
+        eprintln!("interrupted before every pixel had a sample; nothing was written");
         return Ok(true);
     }
     if args.adaptive && outcome.adaptive.is_none() {
@@ -155,12 +157,30 @@ fn images(args: &RenderArgs) -> Result<ImageArgs, CliError> {
     if images.files().next().is_none() {
         images.output = Some(default_exr(&args.scene.scene));
     }
-    let report = args.json.as_deref().filter(|path| *path != Path::new("-"));
-    check_folders(images.files().chain(report).chain(args.state.file()))?;
-    let read = [args.scene.scene.as_path()].into_iter().chain(args.state.left_behind());
-    check_apart(images.files().chain(report).chain(args.state.file()), read)?;
+    check_folders(files(args, &images))?;
+    let read =
+        [args.scene.scene.as_path()].into_iter().chain(args.state.left_behind()).chain(args.ladder.reference_file());
+    check_apart(files(args, &images), read)?;
     args.state.check()?;
     Ok(images)
+}
+
+/// All that will be written.
+fn files<'a>(args: &'a RenderArgs, images: &'a ImageArgs) -> impl Iterator<Item = &'a Path> {
+    let report = args.json.as_deref().filter(|path| *path != Path::new("-"));
+    images.files().chain(report).chain(args.state.file())
+}
+
+/// A film that the system gives no memory for would end the process in the middle of its work.
+fn check_memory(world: &World, options: &Options) -> Result<(), CliError> {
+    let (width, height) = (world.film.width, world.film.height);
+    let bytes = render::film_bytes(world, options);
+    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| {
+        let megabytes = bytes >> 20;
+        CliError::Usage(format!(
+            "a film of {width}x{height} pixels needs {megabytes} MB, which the system does not give; ask for fewer by --size"
+        ))
+    })
 }
 
 fn budget(args: &RenderArgs) -> Result<Budget, CliError> {

@@ -33,7 +33,8 @@ pub struct Facts {
     pub shares_points: bool,
 }
 
-/// The folders of these files exist, and they are no folders themselves: to be known before anything is rendered.
+/// The folders of these files exist and can be written to, and they are no folders themselves: to be known before anything is
+/// rendered.
 pub fn check_folders<'a>(files: impl IntoIterator<Item = &'a Path>) -> Result<(), CliError> {
     for path in files {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -44,6 +45,7 @@ pub fn check_folders<'a>(files: impl IntoIterator<Item = &'a Path>) -> Result<()
         if path.is_dir() {
             return Err(CliError::Usage(format!("{}: is a folder; name a file", path.display())));
         }
+        film::beside::check_writable(path)?;
     }
     Ok(())
 }

@@ -32,6 +32,33 @@ pub fn write_durably<E: ToString>(
     replace(path, true, write)
 }
 
+/// Can a file be written there? Known by making and removing one beside it: better before hours of work than after them.
+///
+/// # Errors
+/// What a write would end with.
+pub fn check_writable(path: &Path) -> Result<(), FilmError> {
+    let target = end_of_links(path);
+    let beside = match fs::metadata(&target) {
+        // A device or pipe: to open it may have effects of its own.
+        Ok(meta) if !meta.is_file() => return Ok(()),
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(FilmError::write(path, error)),
+        _ => create_beside(&target).map_err(|error| FilmError::write(path, error))?.0,
+    };
+    fs::remove_file(beside).map_err(|error| FilmError::write(path, error))
+}
+
+/// Where a link leads, be there a file or not.
+fn end_of_links(path: &Path) -> PathBuf {
+    // As many as Linux follows.
+    const MOST_LINKS: usize = 40;
+    let mut end = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        let Ok(next) = fs::read_link(&end) else { break };
+        end = end.parent().unwrap_or(Path::new("")).join(next);
+    }
+    end
+}
+
 fn replace<E: ToString>(
     path: &Path,
     durable: bool,
@@ -46,7 +73,7 @@ fn replace<E: ToString>(
         return run(path, file, write).map(drop);
     }
     // A link keeps pointing where it did: its target is what is replaced.
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let target = end_of_links(path);
     let (beside, file) = create_beside(&target).map_err(|error| FilmError::write(path, error))?;
     let written = run(path, file, write).and_then(|file| {
         if durable {
@@ -77,13 +104,17 @@ fn run<E: ToString>(
     buffered.into_inner().map_err(|error| FilmError::write(path, error.error()))
 }
 
+/// Characters of a file's name in that of the one beside it: 200 bytes at most.
+const NAME_KEPT: usize = 50;
+
 /// A new file `.NAME.PID-COUNT.part`: unique among threads and processes, and recognisable if one is ever left.
 fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let name = target.file_name().ok_or_else(|| io::Error::other("not a file name"))?;
     loop {
         let mut beside = OsString::from(".");
-        beside.push(name);
+        // A name may be as long as its system lets one be: then there is no room for more.
+        beside.push(name.to_string_lossy().chars().take(NAME_KEPT).collect::<String>());
         beside.push(format!(".{}-{}.part", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
         let beside = target.with_file_name(beside);
         match OpenOptions::new().write(true).create_new(true).open(&beside) {

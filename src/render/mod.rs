@@ -19,7 +19,7 @@ pub use progress::Progress;
 pub use state::{State, StateError};
 pub use summary::{Summary, Times};
 
-use crate::film::{Film, FilmChannels, TileFilm};
+use crate::film::{BLOCK, Film, FilmChannels, TileFilm};
 use crate::kernel::{Counters, Job, REUSE_SIDE, SampleBuffer, Width, World, select, select_light};
 use crate::lane::float_mode;
 use crate::process::{allowed_cores, pin_to_core, seconds_since_process_start};
@@ -130,6 +130,14 @@ pub fn empty_film(world: &World, options: &Options, first_block: u64) -> Film {
     // Pixels that share paths are in one tile.
     let tile = if world.plan.path_reuse { options.tile.next_multiple_of(REUSE_SIDE) } else { options.tile };
     Film::new(world.film.width, world.film.height, tile, channels, first_block)
+}
+
+/// Memory that a film for `world` takes at least: sums of the block of samples at work, and of those before it if there are any.
+pub fn film_bytes(world: &World, options: &Options) -> usize {
+    let pixels = world.film.width as usize * world.film.height as usize;
+    let sums = FilmChannels::of(options.aovs, world.plan.posterior).stride() * size_of::<f64>();
+    let blocks = if options.budget.samples.is_some_and(|samples| samples <= BLOCK) { 1 } else { 2 };
+    pixels * (blocks * sums + size_of::<[f32; 3]>())
 }
 
 /// What renders a job into a buffer that was [reset](SampleBuffer::reset) for it: one of [`select`]'s, or a program's own.

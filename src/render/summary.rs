@@ -175,14 +175,18 @@ impl fmt::Display for Summary {
         }
         if self.discarded_samples > 0 {
             let (x, y, s) = self.discarded_first.first().copied().unwrap_or_default();
+            let Summary { discarded_samples: count, scene, seed, width, height, .. } = self;
+            let sampler = self.sampler.name();
             writeln!(
                 f,
-                "{} samples were not finite and count as 0; the first: octolux replay {} --pixel {x},{y} --sample {s} --seed {} --sampler {}",
-                self.discarded_samples,
-                self.scene,
-                self.seed,
-                self.sampler.name()
+                "{count} samples were not finite and count as 0; the first: octolux replay {scene} --pixel {x},{y} --sample {s} --size {width}x{height} --seed {seed} --sampler {sampler}"
             )?;
+            if self.plan.light_paths {
+                writeln!(
+                    f,
+                    "(replay follows the path from the camera; if that is finite, a light path of sample {s} brought what was not)"
+                )?;
+            }
         }
         Ok(())
     }

@@ -67,6 +67,7 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
         spheres: Vec::new(),
         materials,
         assumptions: Vec::new(),
+        files: Vec::new(),
     })
 }
 

@@ -51,6 +51,7 @@ impl SceneBuilder {
             spheres: Vec::new(),
             materials: Vec::new(),
             assumptions: Vec::new(),
+            files: Vec::new(),
         };
         SceneBuilder { scene }
     }

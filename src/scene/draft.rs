@@ -68,6 +68,7 @@ impl Draft {
                     "mend the path or the image; PNG, JPEG and OpenEXR are read",
                 )
             };
+            notes.files.push(map.image.clone());
             let image = images.read(&map.image).map_err(wrong)?;
             map.check_values(&image).map_err(wrong)?;
             if map.slot == Slot::Bump && !is_normal_map(&image) {

@@ -33,8 +33,24 @@ impl SceneError {
     }
 }
 
-/// Names in files may hold control characters; they must not break the promise of a single line.
+/// Characters at the beginning and at the end of what a line repeats of a file.
+const KEPT: [usize; 2] = [400, 100];
+
+/// Names in files may hold control characters, or be a million characters long; they must not break the promise of a single line.
 fn one_line(file: &Path, line: Option<usize>, message: &str, mend: &str) -> String {
     let place = line.map(|line| format!(":{line}")).unwrap_or_default();
+    let (message, mend) = (shortened(message), shortened(mend));
     format!("{}{place}: {message}; {mend}", file.display()).replace(|c: char| c.is_control(), " ")
+}
+
+/// Without its middle, where it is long.
+fn shortened(text: &str) -> String {
+    let [head, tail] = KEPT;
+    let length = text.chars().count();
+    if length <= head + tail {
+        return text.to_owned();
+    }
+    let start: String = text.chars().take(head).collect();
+    let end: String = text.chars().skip(length - tail).collect();
+    format!("{start} … {end}")
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 impl Scene {
     /// XXH64 of everything that decides the image: camera, film size, integrator, environment texels, triangles,
-    /// spheres, materials. Neither the path nor what was assumed counts.
+    /// spheres, materials. Neither the paths nor what was assumed count.
     ///
     /// Small values go in as their `Debug` text, which tells every f32 from every other.
     pub fn fingerprint(&self) -> u64 {
@@ -16,6 +16,7 @@ impl Scene {
         let Scene {
             name: _,
             assumptions: _,
+            files: _,
             camera,
             film,
             integrator,

@@ -14,6 +14,7 @@ use std::path::Path;
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     let mut notes = Notes::default();
+    notes.files.push(path.to_path_buf());
     let mut scene = match extension.as_deref() {
         Some("toml") => toml_file::load(path, &mut notes)?,
         Some("obj") => bare_model::load(path, &mut notes)?,
@@ -21,6 +22,7 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     };
     scene.name = path.display().to_string();
     scene.assumptions = notes.assumptions;
+    scene.files = notes.files;
     Ok(scene)
 }
 

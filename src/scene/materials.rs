@@ -44,6 +44,7 @@ impl Materials {
     /// The index of each of an OBJ file's materials; those that no face wears get one that no triangle will bear.
     pub fn of_mesh(&mut self, file: &Path, outline: &Outline, notes: &mut Notes) -> Result<Vec<u32>, SceneError> {
         let libraries = Libraries::read(file, outline)?;
+        notes.files.extend(libraries.read.iter().map(|library| library.file.clone()));
         outline
             .materials
             .iter()

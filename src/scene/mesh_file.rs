@@ -18,6 +18,7 @@ pub(super) fn add_obj(
     transform: Option<&Transform>,
     flat: bool,
 ) -> Result<(), SceneError> {
+    notes.files.push(file.to_path_buf());
     let mut read = obj::read(file, notes)?;
     let polygons = std::mem::take(&mut read.outline.polygons);
     let indices = materials.of_mesh(file, &read.outline, notes)?;

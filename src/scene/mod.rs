@@ -68,6 +68,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// What was assumed where a bare model left it open, one sentence each, to be printed.
     pub assumptions: Vec<String>,
+    /// The files it was read from, images and libraries of materials among them: nothing may be written over these.
+    pub files: Vec<std::path::PathBuf>,
 }
 
 /// A thin-lens camera. `right = forward × up`; image row 0 is the top.

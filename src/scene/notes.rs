@@ -1,15 +1,19 @@
 //! What a load has to say besides its result.
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Warnings (at most one a key, sent to [`log::warn!`]) and assumptions (kept for [`Scene::assumptions`]).
 ///
+/// And the files that were read, for [`Scene::files`].
+///
 /// [`Scene::assumptions`]: super::Scene::assumptions
+/// [`Scene::files`]: super::Scene::files
 #[derive(Default)]
 pub(super) struct Notes {
     warned: BTreeSet<String>,
     pub assumptions: Vec<String>,
+    pub files: Vec<PathBuf>,
 }
 
 impl Notes {

@@ -92,6 +92,7 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
     let integrator = integrator(table.integrator.as_ref(), &text)?;
     let mut materials = Materials::new(defined_materials(&table.materials, &text)?);
     let spheres = spheres(&table.sphere, &mut materials, notes, &text)?;
+    notes.files.extend(table.environment.as_ref().and_then(|table| table.as_ref().image(file)));
     // A view shows geometry: an environment image would be read for nothing.
     let lit = table.environment.filter(|_| integrator.kind.transports_light());
     let delta_lights = || delta_lights(&table.point_light, &table.directional_light, &table.spot_light, &text);
@@ -122,6 +123,7 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
         spheres,
         materials,
         assumptions: Vec::new(),
+        files: Vec::new(),
     })
 }
 

@@ -2,12 +2,14 @@
 
 use super::domain::{FINITE, HALF_ANGLE, NON_NEGATIVE};
 use super::error::SceneError;
+use super::load::beside;
 use super::toml_file::named_file;
 use super::toml_text::{Colour, Numbers, TomlText};
 use super::transform::unit;
 use super::{DeltaLight, Environment, environment as image};
 use glam::DVec3;
 use serde::Deserialize;
+use std::path::{Path, PathBuf};
 use toml::Spanned;
 
 #[derive(Deserialize)]
@@ -39,6 +41,13 @@ pub(super) struct SpotTable {
     direction: Spanned<Numbers<3>>,
     intensity: Spanned<Colour>,
     angle: Spanned<f64>,
+}
+
+impl EnvironmentTable {
+    /// The image that it names.
+    pub fn image(&self, scene: &Path) -> Option<PathBuf> {
+        Some(beside(scene, self.file.as_ref()?.as_ref()))
+    }
 }
 
 /// The environment; its image is read.

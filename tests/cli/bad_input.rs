@@ -167,3 +167,11 @@ fn outputs_that_cannot_be_written() {
         assert_eq!(text(&run.stderr).trim_end().lines().count(), 1, "{}", text(&run.stderr));
     }
 }
+
+/// It would end in an abort without a word.
+#[test]
+fn films_that_memory_does_not_hold() {
+    let scratch = Scratch::new();
+    let large = "width = 24\nheight = 16";
+    assert!(changed(&scratch, large, "width = 16384\nheight = 16384").contains("16384x16384 pixels needs"));
+}

@@ -162,3 +162,24 @@ fn ctrl_c_writes_what_there_is_and_succeeds() {
     assert_eq!(report["stopped_by"], "interrupt");
     assert!(octolux::film::read_exr(&scratch.path("a.exr")).is_ok());
 }
+
+/// Each sample of this scene takes a thousand rays: the first pass is not over when Ctrl-C comes, and most tiles are black.
+#[test]
+fn ctrl_c_in_the_first_pass_leaves_no_black_tiles() {
+    let scratch = Scratch::new();
+    let scene = std::fs::read_to_string(scratch.path("scene.toml")).unwrap();
+    let slow = format!("{scene}\n[integrator]\nkind = \"gather\"\nsamples = 1024\n");
+    std::fs::write(scratch.path("slow.toml"), slow).unwrap();
+    std::fs::write(scratch.path("a.exr"), "an image of yesterday").unwrap();
+    let child = std::process::Command::new(assert_cmd::cargo::cargo_bin("octolux"))
+        .current_dir(scratch.folder.path())
+        .args(["render", "slow.toml", "-o", "a.exr", "--size", "2048x2048", "--quiet"])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    nix::sys::signal::kill(nix::unistd::Pid::from_raw(child.id() as i32), nix::sys::signal::Signal::SIGINT).unwrap();
+    let said = child.wait_with_output().unwrap().stderr;
+    assert!(super::text(&said).contains("nothing was written"), "{}", super::text(&said));
+    assert_eq!(std::fs::read(scratch.path("a.exr")).unwrap(), b"an image of yesterday");
+}

@@ -65,6 +65,94 @@ fn nothing_is_written_over_what_is_read_or_written_here() {
     }
 }
 
+/// Meshes, their libraries, images and environments are as much a part of a scene as its own file.
+#[test]
+fn nothing_is_written_over_what_a_scene_names() {
+    let scratch = Scratch::new();
+    scratch.run(&["render", "scene.toml", "--spp", "2", "--size", "8x4", "-o", "sky.exr", "--png", "a.png", "--quiet"]);
+    let lit = std::fs::read_to_string(scratch.path("scene.toml")).unwrap();
+    let lit = lit.replace("radiance = [0.2, 0.3, 0.5]", "file = \"sky.exr\"").replace("[0.6, 0.5, 0.4]", "\"a.png\"");
+    std::fs::write(scratch.path("lit.toml"), lit).unwrap();
+    std::fs::write(scratch.path("m.mtl"), "newmtl floor\nKd .5 .5 .5\nmap_Kd a.png\n").unwrap();
+    let model = "v -3 0 3\nv 3 0 3\nv 3 0 -3\nvt 0 0\nusemtl floor\nf 1/1 2/1 3/1\n";
+    std::fs::write(scratch.path("floor.obj"), model).unwrap();
+    std::fs::write(scratch.path("model.obj"), format!("mtllib m.mtl\n{model}")).unwrap();
+    let named = ["lit.toml", "floor.obj", "sky.exr", "a.png", "model.obj", "m.mtl"];
+    let kept = named.map(|file| std::fs::read(scratch.path(file)).unwrap());
+    for arguments in [
+        &["render", "lit.toml", "-o", "floor.obj"][..],
+        &["render", "lit.toml", "-o", "./sky.exr"],
+        &["render", "lit.toml", "--png", "a.png"],
+        &["render", "lit.toml", "-o", "b.exr", "--json", "floor.obj"],
+        &["render", "model.obj", "-o", "m.mtl"],
+        &["render", "model.obj", "-o", "model.obj"],
+        &["render", "model.obj", "--png", "a.png"],
+        &[
+            "render",
+            "scene.toml",
+            "--size",
+            "8x4",
+            "--ladder",
+            "1",
+            "--png",
+            "b.png",
+            "-o",
+            "sky.exr",
+            "--reference",
+            "sky.exr",
+        ],
+        &["info", "lit.toml", "--json", "lit.toml"],
+        &["info", "lit.toml", "--json", "floor.obj"],
+        &["bench", "lit.toml", "--json", "floor.obj"],
+        &["compare", "sky.exr", "sky.exr", "--diff", "sky.exr"],
+        &["compare", "sky.exr", "sky.exr", "--json", "sky.exr"],
+        &["estimate", "hemisphere", "--image", "sky.exr", "--json", "sky.exr"],
+    ] {
+        let said = refused(&scratch, arguments);
+        assert!(said.contains("would be written over") && said.lines().count() == 1, "{arguments:?}: {said}");
+        assert!(kept == named.map(|file| std::fs::read(scratch.path(file)).unwrap()), "{arguments:?}");
+        assert!(!scratch.path("b.exr").exists() && !scratch.path("b.png").exists(), "{arguments:?}");
+    }
+}
+
+/// As long as a name may be, a file can be written; where none can, that is known before hours of rendering.
+#[test]
+fn what_cannot_be_written_is_known_before_rendering() {
+    let scratch = Scratch::new();
+    let longest = "x".repeat(251) + ".exr";
+    assert_eq!(scratch.run(&["render", "scene.toml", "--spp", "1", "-o", &longest]).status.code(), Some(0));
+    assert!(scratch.path(&longest).is_file());
+    let longer = "x".repeat(252) + ".exr";
+    for file in [longer.as_str(), "/proc/octolux.exr"] {
+        let said = refused(&scratch, &["render", "scene.toml", "--spp", "1", "--time", "1000", "-o", file]);
+        assert!(said.contains("cannot write") && said.lines().count() == 1, "{said}");
+        assert!(!said.contains("render"), "{said}");
+    }
+}
+
+/// A link to a file that is not there yet leads to where that file will be.
+#[cfg(unix)]
+#[test]
+fn links_to_nothing_are_followed() {
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.path("far")).unwrap();
+    std::os::unix::fs::symlink("far/next.exr", scratch.path("link.exr")).unwrap();
+    std::os::unix::fs::symlink("../there.exr", scratch.path("far/next.exr")).unwrap();
+    assert_eq!(scratch.run(&["render", "scene.toml", "--spp", "1", "-o", "link.exr"]).status.code(), Some(0));
+    assert!(scratch.path("link.exr").is_symlink() && scratch.path("far/next.exr").is_symlink());
+    assert!(std::fs::symlink_metadata(scratch.path("there.exr")).unwrap().is_file());
+}
+
+/// A line repeats what is wrong, not a megabyte of it.
+#[test]
+fn long_words_are_shortened() {
+    let scratch = Scratch::new();
+    let word = "x".repeat(1 << 20);
+    std::fs::write(scratch.path("floor.obj"), format!("v 0 0 {word}\n")).unwrap();
+    let said = refused(&scratch, &["render", "scene.toml", "-o", "a.exr"]);
+    assert!(said.len() < 2000 && said.contains("floor.obj:1: ") && said.contains("is not a finite number"), "{said}");
+}
+
 #[test]
 fn an_unknown_key_is_an_error_with_its_line() {
     let scratch = Scratch::new();

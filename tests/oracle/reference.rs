@@ -53,6 +53,7 @@ pub fn read_scene(dir: &Path) -> Scene {
         spheres: spheres.collect(),
         materials: materials.collect(),
         assumptions: Vec::new(),
+        files: Vec::new(),
     }
 }
 

@@ -38,6 +38,7 @@ impl SceneBuilder {
                 spheres: Vec::new(),
                 materials: Vec::new(),
                 assumptions: Vec::new(),
+                files: Vec::new(),
             },
         }
     }

@@ -39,6 +39,7 @@ impl Set {
             spheres: Vec::new(),
             materials: Vec::new(),
             assumptions: Vec::new(),
+            files: Vec::new(),
         };
         Set { scene }
     }

@@ -115,6 +115,7 @@ pub fn scene(
         spheres: spheres.into_iter().map(|(center, radius)| Sphere { center, radius, material: 0 }).collect(),
         materials: vec![white],
         assumptions: Vec::new(),
+        files: Vec::new(),
     }
 }
 
