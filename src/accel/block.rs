@@ -48,6 +48,18 @@ impl TriangleBlock {
             }
         }
     }
+    /// Vertices as seen from `origin`, their coordinates in the given order, which is the origin's.
+    #[inline(always)]
+    pub fn moved<E: Real>(&self, order: [usize; 3], origin: [f32; 3], moved: &mut [[[f32; 8]; 3]; 3]) {
+        for i in (0..8).step_by(E::WIDTH) {
+            let v = self.load::<E>(order, i);
+            for vertex in 0..3 {
+                for k in 0..3 {
+                    (v[vertex][k] - E::splat(origin[k])).store(&mut moved[vertex][k][i..]);
+                }
+            }
+        }
+    }
     /// Components of the normals, and the largest of each.
     #[inline(always)]
     pub fn normals<E: Real>(&self, columns: &mut [[f32; 8]; 4]) {

@@ -8,7 +8,7 @@ use super::leaf::Leaf;
 use super::node::Child;
 use super::tree::{Block, STACK, Tree};
 use crate::geometry::slab::slab;
-use crate::geometry::{Edges, Hit, MISS, RaySetup, edges};
+use crate::geometry::{Edges, Hit, MISS, RaySetup, Shear, edges};
 use crate::lane::array::{from_fn, map};
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real, axes};
 use std::cell::RefCell;
@@ -70,6 +70,8 @@ pub struct Group<'a, R: Real, const N: usize> {
     setups: &'a [RaySetup<R>; N],
     active: [R::Mask; N],
     interval: Interval<R::Eight>,
+    /// Where all rays start, if it is one point: in the order of axes.
+    origin: Option<[f32; 3]>,
     /// [`RaySetup::order`].
     order: [usize; 3],
     /// 1 where the direction is negative, by axis.
@@ -93,8 +95,10 @@ impl<'a, R: Real, const N: usize> Group<'a, R, N> {
         }
         let negative = axes(|k| usize::from(negative[k]));
         let interval = if same { Interval::around(setups, &active, negative) } else { None };
+        let interval = interval?;
         let order = axes(|k| order[k] as usize % 3);
-        Some(Self { setups, active, interval: interval?, order, negative })
+        let origin = interval.origin().map(|origin| axes(|k| origin[order[k]]));
+        Some(Self { setups, active, interval, origin, order, negative })
     }
 
     /// The closest hits; of lanes that are not active a miss at 0.
@@ -155,19 +159,36 @@ impl<'a, R: Real, const N: usize> Group<'a, R, N> {
             return 0;
         }
         block.own_boxes::<R::Eight>(&mut candidates.own_boxes);
+        if let Some(origin) = self.origin {
+            // Of rays with one origin eight triangles are moved there at once, not each for every lane.
+            let mut moved = [[[0.0; 8]; 3]; 3];
+            block.moved::<R::Eight>(self.order, origin, &mut moved);
+            self.pass(places, candidates, |setup, place| {
+                let shear = Shear { origin: [R::zero(); 3], scale: setup.shear.scale };
+                edges(&shear, axes(|v| axes(|k| R::splat(moved[v][k][place]))), R::Mask::splat(true))
+            })
+        } else {
+            self.pass(places, candidates, |setup, place| {
+                edges(&setup.shear, block.splat(self.order, place), R::Mask::splat(true))
+            })
+        }
+    }
+
+    /// Lists those of `places` that some packet passes between the edges of; how many.
+    #[inline(always)]
+    fn pass(&self, places: u32, candidates: &mut Candidates, edges: impl Fn(&RaySetup<R>, usize) -> Edges<R>) -> usize {
         // Which lanes pass is anybody's guess: no branch on it.
         let mut len = 0;
         for place in ones(places) {
             let place = place % 8;
-            let v = block.splat(self.order, place);
             for (p, setup) in self.setups.iter().enumerate() {
-                let edges = edges(&setup.shear, v, self.active[p]);
+                let edges = edges(setup, place);
                 let at = len % CANDIDATES;
                 let [w1, w2, sum] = &mut candidates.values[at];
                 edges.weights[0].store(w1);
                 edges.weights[1].store(w2);
                 edges.sum.store(sum);
-                let lanes = edges.inside.bits();
+                let lanes = (edges.inside & self.active[p]).bits();
                 candidates.lanes[at] = lanes;
                 candidates.which[at] = (place * PACKETS + p) as u32;
                 len += usize::from(lanes != 0);

@@ -54,6 +54,13 @@ impl<E: Real> Interval<E> {
         })
     }
 
+    /// Where all rays start, if it is one point.
+    #[inline(always)]
+    pub fn origin(&self) -> Option<[f32; 3]> {
+        let bounds = [&self.near_origin, &self.far_origin].map(|bound| axes(|k| bound[k].lane(0)));
+        (bounds[0] == bounds[1]).then_some(bounds[0])
+    }
+
     /// Where the first lane may enter boxes, and the last leave them: a lane enters only those where the first is not
     /// greater.
     #[inline(always)]

@@ -48,15 +48,13 @@ impl Stack {
 }
 
 /// Walks the tree; `leaf` tests places of a block against the lanes that enter it, and returns the lanes still wanted with
-/// the distance up to which they are. `left` is offered the lanes that enter a child; where it takes them, the packet
-/// goes no further there.
+/// the distance up to which they are.
 #[inline(always)]
 pub fn walk<B: Block, R: Real>(
     tree: &Tree<B>,
     ray: &PacketRay<R>,
     active: R::Mask,
     t_max: R,
-    mut left: impl FnMut(Child, R::Mask) -> bool,
     mut leaf: impl FnMut(&B, u32, R::Mask) -> (R::Mask, R),
 ) {
     if tree.root == Child::NONE || active.none() {
@@ -85,9 +83,6 @@ pub fn walk<B: Block, R: Real>(
             continue;
         }
         let child = Child(node.children[slot]);
-        if left(child, inside) {
-            continue;
-        }
         if child.is_leaf() {
             let block = &tree.blocks[child.index()];
             (active, t_best) = leaf(block, block.places(interval.as_ref(), t_farthest), inside);
@@ -118,17 +113,10 @@ fn enter<R: Real>(node: &Node, slot: usize, ray: &PacketRay<R>) -> (R, R) {
 #[inline(always)]
 fn closest<B: Block, R: Real>(tree: &Tree<B>, ray: &PacketRay<R>, active: R::Mask, hit: &mut Hit<R>) {
     let t_max = hit.t;
-    walk(
-        tree,
-        ray,
-        active,
-        t_max,
-        |_, _| false,
-        |block, places, inside| {
-            block.closest_packet(ray, places, inside, hit, t_max);
-            (active, hit.t)
-        },
-    );
+    walk(tree, ray, active, t_max, |block, places, inside| {
+        block.closest_packet(ray, places, inside, hit, t_max);
+        (active, hit.t)
+    });
 }
 
 /// The closest hits of packets, which go together through the tree of triangles if they can.
@@ -165,17 +153,10 @@ fn closest_together<R: Real, const N: usize>(
 /// The lanes of `open` that hit nothing of a tree before `t_max`.
 #[inline(always)]
 fn unhidden<B: Block, R: Real>(tree: &Tree<B>, ray: &PacketRay<R>, t_max: R, mut open: R::Mask) -> R::Mask {
-    walk(
-        tree,
-        ray,
-        open,
-        t_max,
-        |_, _| false,
-        |block, places, inside| {
-            open = open & !block.any_packet(ray, places, t_max, inside & open);
-            (open, t_max)
-        },
-    );
+    walk(tree, ray, open, t_max, |block, places, inside| {
+        open = open & !block.any_packet(ray, places, t_max, inside & open);
+        (open, t_max)
+    });
     open
 }
 

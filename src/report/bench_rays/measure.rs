@@ -4,7 +4,7 @@ use super::files::RaySet;
 use super::{SetReport, TraceMode};
 use crate::accel::{Accel, Brute, Mode, Packet, Shadow, Single, Stream};
 use crate::geometry::{Hit, MISS, Ray};
-use crate::lane::{Bits, Mask, Real, Vec3, f32x8, f32x16};
+use crate::lane::{Bits, Mask, Real, Vec3, f32x8, f32x16, prefetch_second};
 use crate::process::{allowed_cores, pin_to_core, thread_cpu_seconds};
 use std::panic::resume_unwind;
 use std::sync::{Barrier, Mutex};
@@ -134,6 +134,12 @@ fn trace_chunk<R: Real, M: Mode>(accel: &Accel, rays: &RaySet, first: usize, t: 
         let count = PACKETS.min((t.len() - k) / R::WIDTH);
         for (i, packet_at) in packets[..count].iter_mut().enumerate() {
             *packet_at = packet(first + k + i * R::WIDTH);
+        }
+        // What is timed is not how long these rays take to come from memory: the next ones' come meanwhile.
+        for column in &rays.columns {
+            for line in (0..R::WIDTH * PACKETS).step_by(16) {
+                prefetch_second(column.as_ptr().wrapping_add(first + k + R::WIDTH * PACKETS + line));
+            }
         }
         if rays.any {
             accel.occluded_many::<R, M>(&packets[..count], &all[..count], &mut found[..count]);
