@@ -92,7 +92,12 @@ fn warnings(study: &Study) -> Vec<String> {
     let mut found = Vec::new();
     for row in &study.rows {
         if let Some(cell) = row.cells.iter().find(|c| c.biased) {
-            let what = if row.claim == Claim::Unbiased { "claims to be unbiased, and is not" } else { "is biased" };
+            let what = match row.claim {
+                Claim::Unbiased if cell.doubts().is_empty() => "claims to be unbiased, and is not",
+                // Its mean is as little normal as its estimates: what is rare may not have been met in all of them.
+                Claim::Unbiased => "claims to be unbiased, and is not, or rare samples carry it that were not met",
+                _ => "is biased",
+            };
             found.push(format!("{} {what}: {:+.3e} with n = {}.", row.method, cell.bias.value, cell.samples));
         }
         if let Some((cell, doubt)) = row.cells.iter().find_map(|c| Some((c, c.doubts().into_iter().next()?))) {

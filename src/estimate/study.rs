@@ -199,6 +199,8 @@ fn cell(quantity: &Quantity, samples: usize, singles: &[Single], predicted_varia
 
 /// Misses twice as often as an interval of 95 % should.
 const LEAST_COVERAGE: f64 = 0.9;
+/// Samples are single precision: closer to the truth than their rounding, relative to it, none can be.
+const ROUNDING: f64 = f32::EPSILON as f64;
 /// P(|Z| ≤ this) = .95.
 const NORMAL_95: f64 = 1.959_963_985;
 
@@ -207,7 +209,7 @@ fn coverage(quantity: &Quantity, singles: &[Single]) -> Option<f64> {
     let held = |s: &Single| {
         let off = (s.value - quantity.exact).abs() - quantity.exact_error;
         // A rounding is no miss.
-        Some(off <= NORMAL_95 * s.standard_error? + 1e-14 * quantity.exact.abs())
+        Some(off <= NORMAL_95 * s.standard_error? + ROUNDING * quantity.exact.abs())
     };
     let held: Vec<bool> = singles.iter().map(held).collect::<Option<_>>()?;
     Some(held.iter().filter(|&&held| held).count() as f64 / held.len().max(1) as f64)

@@ -16,6 +16,7 @@ use super::splats::SplatSums;
 use crate::film::{Film, Rect};
 use crate::kernel::Counters;
 use crate::process::seconds_since_process_start;
+use crate::report::fit::{CONFIDENCE, student_quantile};
 use rayon::prelude::*;
 use std::fmt;
 use std::time::Instant;
@@ -85,6 +86,8 @@ pub(super) struct Rates {
     pub seconds_per_sample: f64,
     mean: f64,
     variance: f64,
+    /// Of the variance.
+    dof: u32,
 }
 
 impl Rates {
@@ -141,7 +144,7 @@ impl Rates {
         let mean = if sum > 0.0 { sum / pixels } else { 1.0 };
         let even = (1.0 - reliability(&found)).max(EVEN_SHARE);
         let weights: Vec<f64> = found.iter().map(|[weight, ..]| even * mean + (1.0 - even) * weight).collect();
-        let (mean, variance) = pilot.mean();
+        let (mean, variance, dof) = pilot.mean();
         Rates {
             exponents: exponents(&weights, &rects),
             samples: pilot.samples,
@@ -149,6 +152,7 @@ impl Rates {
             seconds_per_sample: pilot.seconds / pilot.samples as f64,
             mean,
             variance,
+            dof,
         }
     }
 
@@ -172,7 +176,7 @@ impl Rates {
             most: film.tiles().iter().map(|tile| tile.samples()).max().unwrap_or(0),
             mean: film.mean_samples(),
             bias: (mean - self.mean) * scale,
-            bias_half_width: 1.96 * variance.sqrt() * scale.abs(),
+            bias_half_width: student_quantile(self.dof, CONFIDENCE) * variance.sqrt() * scale.abs(),
         }
     }
 }

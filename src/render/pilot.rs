@@ -16,6 +16,9 @@ const PILOT_SEED: u32 = 0x4164_6170;
 /// Tiles across a square of the pilot: as many paths at once as keep the lanes full.
 const SQUARE: u32 = 4;
 
+/// Beyond, Student's distribution is the normal one.
+const MOST_DOF: f64 = 1e4;
+
 /// What the replicates found of squares of tiles.
 pub struct Pilot {
     squares: Vec<Square>,
@@ -35,6 +38,8 @@ struct Square {
     /// Sums over pixels and channels: of the mean of all replicates, and of its variance.
     mean: f64,
     variance: f64,
+    /// Sum of the squares of what each block adds to the variance.
+    squares: f64,
     counters: Counters,
 }
 
@@ -70,12 +75,16 @@ impl Pilot {
         self.square(tile).weights(tile)
     }
 
-    /// Mean over pixels and channels, and its variance.
-    pub fn mean(&self) -> (f64, f64) {
+    /// Mean over pixels and channels, its variance, and the degrees of freedom of that (Satterthwaite 1946): few where few blocks
+    /// make up most of it.
+    pub fn mean(&self) -> (f64, f64, u32) {
         let pixels: usize = self.squares.iter().map(|square| square.rect.pixels()).sum();
         let values = 3.0 * pixels.max(1) as f64;
         let sum = |of: fn(&Square) -> f64| self.squares.iter().map(of).sum::<f64>();
-        (sum(|square| square.mean) / values, sum(|square| square.variance) / (values * values))
+        let (variance, squares) = (sum(|square| square.variance), sum(|square| square.squares));
+        let of_a_block = f64::from(REPLICATES - 1);
+        let dof = if squares > 0.0 { variance * variance / squares * of_a_block } else { of_a_block };
+        (sum(|square| square.mean) / values, variance / (values * values), dof.clamp(1.0, MOST_DOF) as u32)
     }
 
     /// The square of a tile.
@@ -102,7 +111,8 @@ impl Square {
                 }
             });
         }
-        let mut square = Square { rect, error: Vec::with_capacity(means.len()), mean: 0.0, variance: 0.0, counters };
+        let mut square =
+            Square { rect, error: Vec::with_capacity(means.len()), mean: 0.0, variance: 0.0, squares: 0.0, counters };
         let places = (rect.y..rect.y + rect.height).flat_map(|y| (rect.x..rect.x + rect.width).map(move |x| (x, y)));
         for ((x, y), replicates) in places.zip(&means) {
             square.add(replicates, splats.map_or([0.0; 3], |splats| splats.mean(x, y)));
@@ -124,7 +134,9 @@ impl Square {
                     }
                 }
             }
-            self.variance += mean_and_variance(&sums)[1] / f64::from(REPLICATES);
+            let variance = mean_and_variance(&sums)[1] / f64::from(REPLICATES);
+            self.variance += variance;
+            self.squares += variance * variance;
         }
     }
 

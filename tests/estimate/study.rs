@@ -6,6 +6,7 @@ use octolux::estimate::method::{Claim, Method, Prepared, Single};
 use octolux::estimate::problems::{Problem, cube, discrete, hemisphere, interval, pi};
 use octolux::estimate::study::{Budget, Quantity, Study, run};
 use octolux::kernel::Width;
+use std::f64::consts::PI;
 
 const W: Width = Width::Eight;
 
@@ -191,5 +192,16 @@ fn intervals_from_rare_hits_cover_as_they_must_and_are_flagged() {
         assert!((held - case.value).abs() <= bound, "{n}: {held} not {}", case.value);
         assert_eq!(cell.own_interval_trusted, !flagged, "{n}: {held}");
         assert_eq!(cell.doubts().iter().any(|d| d.contains("95 % intervals")), flagged, "{:?}", cell.doubts());
+    }
+}
+
+/// Drawn by the cosine itself, the cosine's integral has no variance: what its estimates are off by is their rounding, no miss.
+#[test]
+fn rounding_is_no_miss_where_nothing_varies() {
+    let problem = hemisphere("cosine", 1.0, 0, W).unwrap();
+    for cell in &study(&problem, &["mc-is"], &[16, 256], 200, 3).rows[0].cells {
+        assert!(cell.rmse.value < 2e-7 * PI, "{cell:?}");
+        assert_eq!((cell.own_coverage, cell.own_interval_trusted), (Some(1.0), true), "{cell:?}");
+        assert!(cell.doubts().is_empty(), "{:?}", cell.doubts());
     }
 }
