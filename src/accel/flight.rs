@@ -1,6 +1,6 @@
 //! The rays of a [`Stream`](super::Stream) that are in flight, and their stacks.
 
-use super::lanes::{Lanes, ones};
+use super::lanes::Lanes;
 use super::leaf::EdgeValues;
 use super::lists::{Chosen, Lists};
 use super::node::Child;
@@ -159,10 +159,4 @@ pub fn board<R: Real>(flight: &mut Flight, rays: &[Ray<R>], active: &[R::Mask]) 
 #[inline(always)]
 pub fn packet_of<R: Real>(bits: Rays, k: usize) -> R::Mask {
     R::Mask::from_bits((bits >> (k * R::WIDTH)) as u32 & (u32::MAX >> (32 - R::WIDTH)))
-}
-
-/// The rays of `bits`.
-#[inline(always)]
-pub fn rays(bits: Rays) -> impl Iterator<Item = usize> {
-    (0..RAYS / 32).flat_map(move |k| ones((bits >> (32 * k)) as u32).map(move |i| (32 * k + i) % RAYS))
 }

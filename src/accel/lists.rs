@@ -2,7 +2,7 @@
 
 use super::flight::RAYS;
 use super::node::Child;
-use crate::lane::{Bits, Mask, Real};
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real};
 
 /// What rays go to next: nodes to be tested, blocks to be tested, a child to be found. See [`Child::kind`].
 pub const NODES: usize = 0;
@@ -10,8 +10,8 @@ pub const BLOCKS: usize = 1;
 pub const POPS: usize = 2;
 const KINDS: usize = 3;
 
-/// Rays and their children are listed eight at a time, whatever follows the last.
-pub const ROOM: usize = RAYS + 8;
+/// Rays and their children are listed a register at a time, whatever follows the last.
+pub const ROOM: usize = RAYS + MAX_WIDTH;
 
 /// Rays by the [kind](Child::kind) of what they go to next, and that beside each: its address then does not wait for the
 /// ray's number.
@@ -41,14 +41,15 @@ impl Counts {
 impl Lists {
     pub const EMPTY: Self = Self { rays: [[0; ROOM]; KINDS], children: [[0; ROOM]; KINDS] };
 
-    /// Lists one ray and the node or block it goes to.
+    /// Lists the rays `first` + `bits`, which all go to `child`.
     #[inline(always)]
-    pub fn push(&mut self, counts: &mut Counts, ray: usize, child: Child) {
+    pub fn add<R: Real>(&mut self, counts: &mut Counts, first: usize, bits: u32, child: Child) {
         let kind = child.kind() as usize;
-        let place = counts.0[kind] % RAYS;
-        self.rays[kind][place] = ray as u32;
-        self.children[kind][place] = child.0;
-        counts.0[kind] += 1;
+        let rays = R::Bits::from_fn(|lane| (first + lane) as u32);
+        let place = counts.0[kind];
+        R::from_bits(rays).compress(bits).to_bits().store(&mut self.rays[kind][place..]);
+        R::Bits::splat(child.0).store(&mut self.children[kind][place..]);
+        counts.0[kind] += bits.count_ones() as usize;
     }
 
     /// Lists the first `count` rays of the list of `kind`, which was [taken](Counts::take), by the `children` they now go to.

@@ -7,7 +7,7 @@
 //! it is known beforehand: a processor overlaps some three node tests, and only if nothing is stored at an address that
 //! one of them has yet to find.
 
-use super::flight::{Best, FLIGHT, FLOOR, Flight, RAYS, Rays, Stacks, board, packet_of, rays};
+use super::flight::{Best, FLIGHT, FLOOR, Flight, RAYS, Rays, Stacks, board, packet_of};
 use super::lanes::Lanes;
 use super::leaves::Leaves;
 use super::lists::{BLOCKS, Chosen, Counts, Lists, NODES, POPS};
@@ -16,7 +16,7 @@ use super::tree::{Block, Tree};
 use super::visits::any_from_root;
 use super::{Accel, Mode, Single, Stream};
 use crate::geometry::{Hit, Ray, RaySetup};
-use crate::lane::{Bits, Real};
+use crate::lane::{Bits, Mask, Real};
 use core::hint::select_unpredictable;
 
 /// The rays of a flight on their way through a tree.
@@ -94,8 +94,8 @@ fn walk<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays) {
     let Flight { lanes, best, stacks, top, candidates, lists, chosen, .. } = flight;
     let mut walk = Walk { tree, stacks, top: *top, lists, chosen };
     let mut counts = Counts::default();
-    for i in rays(bits) {
-        walk.lists.push(&mut counts, i, tree.root);
+    for k in 0..RAYS / R::WIDTH {
+        walk.lists.add::<R>(&mut counts, k * R::WIDTH, packet_of::<R>(bits, k).bits(), tree.root);
     }
     while !counts.none() {
         let nodes = counts.take(NODES);

@@ -1,7 +1,7 @@
 //! Any hit, each ray on its own: whatever it hits ends it, so that its visits to nodes and blocks need know nothing of each
 //! other, and have neither an order nor a stack for each ray.
 
-use super::flight::{Best, Flight, RAYS, Rays, packet_of, rays};
+use super::flight::{Best, Flight, RAYS, Rays, packet_of};
 use super::lanes::Lanes;
 use super::leaves::Leaves;
 use super::lists::ROOM;
@@ -132,7 +132,12 @@ pub fn any_of<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays
         }
         visits.nodes::<B, R::Eight>(tree, lanes, best);
     }
-    rays(bits).fold(0, |hits, i| hits | Rays::from(flight.best.primitive[i] != MISS) << i)
+    let mut hits = 0;
+    for (k, primitives) in best.primitive.chunks_exact(R::WIDTH).enumerate() {
+        let hit = !R::Bits::load(primitives).eq(R::Bits::splat(MISS));
+        hits |= Rays::from(hit.bits()) << (k * R::WIDTH);
+    }
+    hits & bits
 }
 
 /// [`any_of`], from the root of the tree on.
