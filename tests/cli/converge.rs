@@ -260,6 +260,27 @@ fn what_cannot_be_studied_is_refused_in_one_line() {
     assert!(said.contains("a.json") && said.contains("relmse_floor"), "{said}");
 }
 
+/// An image of the name that a made reference gets may be somebody's only one.
+#[test]
+fn a_reference_of_somebody_elses_is_not_written_over() {
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.path("out")).unwrap();
+    scratch.run(&["render", "scene.toml", "--spp", "4", "-o", "out/reference.exr", "--quiet"]);
+    let kept = std::fs::read(scratch.path("out/reference.exr")).unwrap();
+    let arguments = ["converge", "scene.toml", "-o", "out", "--quiet", "--spp", "1,2", "--seeds", "2"];
+    for sidecar in [None, Some("{\"relmse_floor\": 0.0, \"rmse_floor\": 0.0, \"spp\": 4}")] {
+        sidecar.into_iter().for_each(|text| std::fs::write(scratch.path("out/reference.json"), text).unwrap());
+        let output = scratch.run(&[&arguments[..], &["--resume"]].concat());
+        let said = text(&output.stderr);
+        assert_eq!((output.status.code(), said.lines().count()), (Some(2), 1), "{said}");
+        assert!(said.contains("out/reference.exr") && said.contains("--reference"), "{said}");
+        assert_eq!(std::fs::read(scratch.path("out/reference.exr")).unwrap(), kept);
+    }
+    let output = scratch.run(&[&arguments[..], &["--resume", "--reference", "out/reference.exr"]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_eq!(std::fs::read(scratch.path("out/reference.exr")).unwrap(), kept);
+}
+
 #[test]
 fn a_folder_belongs_to_one_study() {
     let scratch = Scratch::new();

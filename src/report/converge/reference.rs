@@ -89,11 +89,17 @@ impl Reference {
     /// from the same scene and number of samples.
     ///
     /// # Errors
-    /// It cannot be written or read, or the user interrupted.
+    /// It cannot be written or read, an image of that name is there that no study has made, or the user interrupted.
     pub fn make(variant: &mut Variant, samples: u64, folder: &Path, loud: bool) -> Result<Self, ConvergeError> {
         let (path, film) = (folder.join("reference.exr"), variant.world.film);
         let each = samples.div_ceil(REPLICATES).max(1);
-        let made = read_sidecar(&path.with_extension("json"))?.is_some_and(|sidecar| {
+        let there = read_sidecar(&path.with_extension("json"))?.filter(|sidecar| sidecar.fingerprint.is_some());
+        if there.is_none() && path.exists() {
+            let why =
+                "is there already, and not made by a study; name another folder, or measure against it by --reference";
+            return Err(ConvergeError::Reference { file: path.display().to_string(), why: why.to_owned() });
+        }
+        let made = there.is_some_and(|sidecar| {
             sidecar.spp == Some(each * REPLICATES) && sidecar.fingerprint.as_deref() == Some(&variant.fingerprint)
         });
         if !(made && path.is_file()) {
