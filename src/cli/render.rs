@@ -49,7 +49,7 @@ pub struct RenderArgs {
     #[arg(long, requires = "error")]
     unbiased: bool,
     /// Give tiles numbers of samples that lower the relative error most, by a pilot whose samples are thrown away: adds no
-    /// bias. With --spp N they have N on average, beside the pilot's (an eighth of it at most)
+    /// bias. With --spp N they have N on average, beside the pilot's (an eighth of it, where N is small a quarter)
     #[arg(long, conflicts_with_all = ["tile", "state", "resume", "samples", "ladder", "unbiased"])]
     adaptive: bool,
     /// Also write albedo.*, N.* and Z of the first hit, and bmc.variance.* where the scene gathers by bmc or bmc-is

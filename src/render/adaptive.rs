@@ -7,7 +7,7 @@
 //!
 //! The sum of vᵢ/nᵢ is least for a given sum of cᵢ nᵢ where nᵢ goes with √(vᵢ/cᵢ) (Neyman 1934). What the pilot says is
 //! believed as far as its two halves agree on it, the reliability of a test in halves (Spearman 1910, Brown 1910); the rest
-//! of the samples is spread evenly, a tenth at least, as a pilot may have missed what is rare.
+//! of the samples is spread evenly, a fifth at least, as a pilot may have missed what is rare.
 
 use super::budget::{Budget, MAX_SAMPLES};
 use super::pass::Pass;
@@ -21,8 +21,12 @@ use rayon::prelude::*;
 use std::fmt;
 use std::time::Instant;
 
-/// The pilot takes at most one in so many samples, or seconds that are left.
+/// The pilot takes at most one in so many samples, or seconds that are left …
 const PILOT_SHARE: u64 = 8;
+/// … but one in so many of few samples, as long as a replicate has no more than these: one or two in a replicate overlook
+/// edges, and the tile that seemed quiet then has too few.
+const PILOT_SHARE_OF_FEW: u64 = 4;
+const FEW_SAMPLES: u64 = 4;
 /// Samples of a replicate: no more than this, however large the budget …
 const MOST_SAMPLES: u64 = 64;
 /// … and where the budget is in seconds, these, or one if they would last too long.
@@ -30,7 +34,7 @@ const TIMED_SAMPLES: u64 = 4;
 /// Samples whose light paths are traced before the pilot.
 const SPLATS_FIRST: u64 = 16;
 /// Weight of an even share beside the pilot's, at least.
-const EVEN_SHARE: f64 = 0.1;
+const EVEN_SHARE: f64 = 0.2;
 /// Numbers of samples go from 2^LEAST to 2^MOST times the average: powers of two, at which Sobol' points are most even.
 const LEAST: i32 = -3;
 const MOST: i32 = 4;
@@ -97,7 +101,7 @@ impl Rates {
     /// Fewest samples of the average tile at which every tile has one.
     pub const FEWEST_SAMPLES: u64 = 1 << -LEAST;
 
-    /// By a pilot that takes an eighth of the budget at most; `None` if that is too little for one, or the user
+    /// By a pilot that takes a quarter of a small budget at most, of a large one an eighth; `None` if that is too little for one, or the user
     /// interrupts. Its rays are added to `counters`. In the current thread pool.
     ///
     /// Light paths of the first samples come before it, to show how bright their light is. They are kept: pixels are given what
@@ -181,9 +185,10 @@ impl Rates {
     }
 }
 
-/// Samples of each replicate for a budget: a power of two, all replicates together at most an eighth of it.
+/// Samples of each replicate for a budget: a power of two.
 fn replicate_samples(budget: u64) -> Option<u64> {
-    let most = (budget / (PILOT_SHARE * u64::from(REPLICATES))).min(MOST_SAMPLES);
+    let at_share = |share: u64| budget / (share * u64::from(REPLICATES));
+    let most = at_share(PILOT_SHARE).max(at_share(PILOT_SHARE_OF_FEW).min(FEW_SAMPLES)).min(MOST_SAMPLES);
     (most > 0).then(|| 1 << most.ilog2())
 }
 
