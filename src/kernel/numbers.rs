@@ -45,6 +45,15 @@ impl World {
         }
     }
 
+    /// See [`Sampler::vertex_dims`].
+    #[inline(always)]
+    pub(super) fn vertex_numbers<R: Real>(&self, rng: &mut Sampler<R>, bounce: R, scatters: bool) -> [R; BOUNCE] {
+        match &self.numbers {
+            None => rng.vertex_dims(self.sampler, bounce, scatters),
+            Some(_) => self.bounce_numbers(rng, bounce),
+        }
+    }
+
     /// See [`Sampler::opacity`].
     #[inline(always)]
     pub(super) fn opacity_number<R: Real>(&self, rng: &Sampler<R>, bounce: R) -> R {

@@ -89,7 +89,6 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
     probe: &mut P,
 ) {
     let alive = paths.alive;
-    let lanes = paths.lanes(alive);
     let mut surface = Surface::at(world, &paths.ray, &paths.hit, alive);
     if out.features.is_some() {
         write_features(world, *paths, surface, alive, out);
@@ -97,12 +96,6 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
     let arrival = Arrival::new(world, paths, &surface, out);
     if world.plan.area_lights {
         add_emission(world, shade, paths, &surface, arrival.as_ref(), out, probe);
-    }
-    let mut rng = paths.rng;
-    let mut u = world.bounce_numbers(&mut rng, paths.bounce);
-    paths.rng = rng;
-    for x in &mut u {
-        *x = probe.tap(Stage::Random, lanes, *x);
     }
     let scatters = alive & paths.bounce.lt(R::splat(world.max_bounces));
     let outward = -paths.ray.direction;
@@ -126,6 +119,7 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
         reuse::keep_first(world.max_bounces, surface, paths, scatters, out);
     }
     let alone = by_lights_alone(world, paths, &surface, scatters);
+    let u = numbers(world, paths, scatters & !alone, probe);
     if (world.lights.is_some() || S::OWN_LIGHT) && scatters.any() {
         let arrival = arrival.as_ref();
         let competing = scatters & !alone;
@@ -144,7 +138,12 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
             probe,
         );
     }
-    let (sample, carried) = scatter(world, shade, paths, &surface, &frame, wo, &u, [scatters & !alone, shared], probe);
+    let scatters = scatters & !alone;
+    if scatters.none() && shared.none() {
+        paths.alive = scatters;
+        return;
+    }
+    let (sample, carried) = scatter(world, shade, paths, &surface, &frame, wo, &u, [scatters, shared], probe);
     if let Some(arrival) = arrival.filter(|_| paths.alive.any()) {
         let back = reversed_pdf(world, shade, paths.hit, surface, [wo, sample.wi], paths.alive & !sample.delta);
         arrival.leave(surface, sample, [wo.z, back], *paths, out);
@@ -153,6 +152,25 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
     if shared.any() {
         reuse::leave(surface, &sample, paths, factor, shared, out);
     }
+}
+
+/// The numbers of a vertex; of lanes that are not to scatter none but those for light samples.
+#[inline(always)]
+fn numbers<R: Real, P: Probe>(world: &World, paths: &mut Paths<R>, scatters: R::Mask, probe: &mut P) -> [R; BOUNCE] {
+    let mut rng = paths.rng;
+    let mut u = world.vertex_numbers(&mut rng, paths.bounce, scatters.any());
+    paths.rng = rng;
+    if P::ACTIVE {
+        for k in [BSDF_LOBE, BSDF_DIRECTION, BSDF_DIRECTION + 1, ROULETTE] {
+            u[k] = u[k].masked(scatters);
+        }
+        u[OPACITY] = R::zero();
+        let lanes = paths.lanes(paths.alive);
+        for x in &mut u {
+            *x = probe.tap(Stage::Random, lanes, *x);
+        }
+    }
+    u
 }
 
 #[inline(always)]

@@ -12,6 +12,7 @@ pub mod array;
 pub mod float_mode;
 pub mod math;
 mod register;
+mod reverse;
 mod shuffle;
 mod vec3;
 mod wide_impl;
@@ -103,6 +104,8 @@ pub trait Bits:
     fn shr<const K: i32>(self) -> Self;
     /// Rotation left, `0 < K < 32`.
     fn rotl<const K: i32>(self) -> Self;
+    /// The bits of each lane in the other order.
+    fn reverse_bits(self) -> Self;
     /// Lane by lane.
     fn eq(self, other: Self) -> Self::Mask;
     /// `self < other`, of numbers without sign.

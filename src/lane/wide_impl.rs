@@ -62,6 +62,10 @@ macro_rules! wide_lanes {
                 (self << (K as u32)) | (self >> (32 - K as u32))
             }
             #[inline(always)]
+            fn reverse_bits(self) -> Self {
+                super::reverse::Reverse::reversed(self)
+            }
+            #[inline(always)]
             fn eq(self, other: Self) -> $mask {
                 <$mask as super::MaskOps<$f, $u>>::eq_bits(self, other)
             }

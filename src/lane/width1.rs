@@ -86,6 +86,10 @@ impl Bits for U32x1 {
         Self(self.0.rotate_left(K as u32))
     }
     #[inline(always)]
+    fn reverse_bits(self) -> Self {
+        Self(self.0.reverse_bits())
+    }
+    #[inline(always)]
     fn eq(self, other: Self) -> bool {
         self.0 == other.0
     }

@@ -126,7 +126,21 @@ impl<R: Real> Sampler<R> {
     pub fn bounce_dims(&mut self, kind: SamplerKind, bounce: R) -> [R; BOUNCE] {
         match kind {
             SamplerKind::Independent => self.0.bounce_dims(),
-            SamplerKind::Sobol => self.sobol_bounce(bounce),
+            SamplerKind::Sobol => {
+                let mut u = self.sobol_vertex(bounce, true);
+                u[OPACITY] = self.opacity(kind, bounce);
+                u
+            }
+        }
+    }
+
+    /// The same without the number for cut-outs, and, if not `scatters`, without those that a material and roulette draw: these
+    /// may be anything.
+    #[inline(always)]
+    pub(crate) fn vertex_dims(&mut self, kind: SamplerKind, bounce: R, scatters: bool) -> [R; BOUNCE] {
+        match kind {
+            SamplerKind::Independent => self.0.bounce_dims(),
+            SamplerKind::Sobol => self.sobol_vertex(bounce, scatters),
         }
     }
 
@@ -146,12 +160,13 @@ impl<R: Real> Sampler<R> {
     }
 
     #[inline(never)]
-    fn sobol_bounce(&self, bounce: R) -> [R; BOUNCE] {
-        let set = |k: u32| Self::set(bounce, k);
+    fn sobol_vertex(&self, bounce: R, scatters: bool) -> [R; BOUNCE] {
+        let set = |k: u32| PairSet::new(self.key(), Self::set(bounce, k));
         // What no path draws stays 0.
         let mut u = [R::zero(); BOUNCE];
-        let [position, direction] = [set(1), set(0)].map(|set| PairSet::new(self.key(), set));
-        let [mut of_position, mut of_direction] = [position, direction].map(|set| set.shuffle(self.0.s[0]));
+        let (position, direction) = (set(1), set(0));
+        let mut of_position = position.shuffle(self.0.s[0]);
+        let mut of_direction = if scatters { direction.shuffle(self.0.s[0]) } else { of_position };
         let first = bounce.eq(R::zero());
         if first.any() {
             let pixel = PairSet::new(self.key(), R::Bits::splat(PIXEL_SET));
@@ -160,10 +175,11 @@ impl<R: Real> Sampler<R> {
             of_direction = R::Bits::select(first, b, of_direction);
         }
         [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]] = array::map(position.pair(of_position), to_unit);
-        [u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]] = array::map(direction.pair(of_direction), to_unit);
-        [u[LIGHT_CHOICE], u[BSDF_LOBE]] = self.pair(set(2));
-        u[ROULETTE] = self.hashed(set(3));
-        u[OPACITY] = self.hashed(set(OPACITY_SET));
+        [u[LIGHT_CHOICE], u[BSDF_LOBE]] = self.pair(Self::set(bounce, 2));
+        if scatters {
+            [u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]] = array::map(direction.pair(of_direction), to_unit);
+            u[ROULETTE] = self.hashed(Self::set(bounce, 3));
+        }
         u
     }
 

@@ -175,13 +175,7 @@ fn laine_karras<R: Real>(x: R::Bits, seed: R::Bits) -> R::Bits {
 /// The 32 digits in the other order.
 #[inline(always)]
 pub fn reverse<R: Real>(x: R::Bits) -> R::Bits {
-    let merge =
-        |left: R::Bits, right: R::Bits, mask: u32| (left & R::Bits::splat(!mask)) | (right & R::Bits::splat(mask));
-    let x = merge(x.shl::<1>(), x.shr::<1>(), 0x5555_5555);
-    let x = merge(x.shl::<2>(), x.shr::<2>(), 0x3333_3333);
-    let x = merge(x.shl::<4>(), x.shr::<4>(), 0x0f0f_0f0f);
-    let x = merge(x.shl::<8>(), x.shr::<8>(), 0x00ff_00ff);
-    x.shl::<16>() | x.shr::<16>()
+    x.reverse_bits()
 }
 
 /// MurmurHash3's 32-bit finaliser (Appleby 2011).

@@ -192,8 +192,8 @@ fn the_interval_of_the_bias_holds_where_pixels_share_their_errors() {
 
 #[test]
 fn too_few_samples_are_not_divided() {
-    let outcome = adaptive(&renders::world(&frame(), 1), 31, Width::native(), Some(&kernel(rare_on_the_right)));
-    assert!(outcome.adaptive.is_none() && !outcome.film.is_uneven() && outcome.film.samples() == 31);
+    let outcome = adaptive(&renders::world(&frame(), 1), 15, Width::native(), Some(&kernel(rare_on_the_right)));
+    assert!(outcome.adaptive.is_none() && !outcome.film.is_uneven() && outcome.film.samples() == 15);
 }
 
 /// Some tiles have an eighth of the average: however little time is left after the pilot, none of them is left black.

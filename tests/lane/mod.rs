@@ -1,5 +1,6 @@
 //! The lane arithmetic and its functions.
 
+mod bits;
 mod float_mode;
 mod math;
 pub mod widths;

@@ -30,7 +30,7 @@ pub struct Vertex<R: Real> {
 #[inline(never)]
 pub fn vertex<R: Real>(world: &World, paths: &LightPaths, walk: &mut Walk<R>) -> Option<Link<R>> {
     let surface = Surface::at(world, &walk.ray, &walk.hit, walk.alive);
-    let u = world.bounce_numbers(&mut walk.rng, walk.bounce);
+    let u = world.vertex_numbers(&mut walk.rng, walk.bounce, true);
     let backward = -walk.ray.direction;
     let frame = Frame::from_normal(surface.ns);
     let wi = frame.to_local(backward);

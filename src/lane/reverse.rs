@@ -1,0 +1,63 @@
+//! The bits of each lane in the other order.
+
+use super::Bits;
+use wide::{u32x8, u32x16};
+
+/// [`Bits::reverse_bits`] of a register type.
+pub trait Reverse {
+    /// Lane by lane.
+    fn reversed(self) -> Self;
+}
+
+/// By swapping neighbours, pairs, … in five steps.
+#[inline(always)]
+#[cfg_attr(target_feature = "gfni", allow(dead_code))]
+pub fn by_swaps<B: Bits>(x: B) -> B {
+    let merge = |left: B, right: B, mask: u32| (left & B::splat(!mask)) | (right & B::splat(mask));
+    let x = merge(x.shl::<1>(), x.shr::<1>(), 0x5555_5555);
+    let x = merge(x.shl::<2>(), x.shr::<2>(), 0x3333_3333);
+    let x = merge(x.shl::<4>(), x.shr::<4>(), 0x0f0f_0f0f);
+    let x = merge(x.shl::<8>(), x.shr::<8>(), 0x00ff_00ff);
+    x.shl::<16>() | x.shr::<16>()
+}
+
+/// For each byte of four its place in the other order, for all of a register.
+#[cfg(target_feature = "gfni")]
+const BYTES: [u32; 16] = [
+    0x0001_0203, 0x0405_0607, 0x0809_0a0b, 0x0c0d_0e0f, 0x0001_0203, 0x0405_0607, 0x0809_0a0b, 0x0c0d_0e0f, 0x0001_0203,
+    0x0405_0607, 0x0809_0a0b, 0x0c0d_0e0f, 0x0001_0203, 0x0405_0607, 0x0809_0a0b, 0x0c0d_0e0f,
+];
+
+/// The matrix over GF(2) that puts the bits of a byte into the other order.
+#[cfg(target_feature = "gfni")]
+const BITS: i64 = 0x8040_2010_0804_0201_u64 as i64;
+
+impl Reverse for u32x8 {
+    #[inline(always)]
+    fn reversed(self) -> Self {
+        #[cfg(all(target_feature = "gfni", target_feature = "avx2"))]
+        // SAFETY: the build has these features; registers only.
+        unsafe {
+            use core::arch::x86_64::*;
+            let bytes = _mm256_shuffle_epi8(self.into(), <u32x8 as Bits>::load(&BYTES).into());
+            _mm256_gf2p8affine_epi64_epi8::<0>(bytes, _mm256_set1_epi64x(BITS)).into()
+        }
+        #[cfg(not(all(target_feature = "gfni", target_feature = "avx2")))]
+        by_swaps(self)
+    }
+}
+
+impl Reverse for u32x16 {
+    #[inline(always)]
+    fn reversed(self) -> Self {
+        #[cfg(all(target_feature = "gfni", target_feature = "avx512bw"))]
+        // SAFETY: the build has these features; registers only.
+        unsafe {
+            use core::arch::x86_64::*;
+            let bytes = _mm512_shuffle_epi8(self.into(), <u32x16 as Bits>::load(&BYTES).into());
+            _mm512_gf2p8affine_epi64_epi8::<0>(bytes, _mm512_set1_epi64(BITS)).into()
+        }
+        #[cfg(not(all(target_feature = "gfni", target_feature = "avx512bw")))]
+        by_swaps(self)
+    }
+}
