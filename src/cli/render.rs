@@ -136,7 +136,7 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     }
     if args.adaptive && outcome.adaptive.is_none() {
         log::warn!(
-            "--adaptive: the budget is too small for a pilot (32 samples a pixel are enough); all pixels have as many"
+            "--adaptive: the budget is too small for a pilot (16 samples a pixel are enough); all pixels have as many"
         );
     }
     let start = Instant::now();
