@@ -24,8 +24,22 @@ pub fn by_swaps<B: Bits>(x: B) -> B {
 /// For each byte of four its place in the other order, for all of a register.
 #[cfg(target_feature = "gfni")]
 const BYTES: [u32; 16] = [
-    0x0001_0203, 0x0405_0607, 0x0809_0a0b, 0x0c0d_0e0f, 0x0001_0203, 0x0405_0607, 0x0809_0a0b, 0x0c0d_0e0f, 0x0001_0203,
-    0x0405_0607, 0x0809_0a0b, 0x0c0d_0e0f, 0x0001_0203, 0x0405_0607, 0x0809_0a0b, 0x0c0d_0e0f,
+    0x0001_0203,
+    0x0405_0607,
+    0x0809_0a0b,
+    0x0c0d_0e0f,
+    0x0001_0203,
+    0x0405_0607,
+    0x0809_0a0b,
+    0x0c0d_0e0f,
+    0x0001_0203,
+    0x0405_0607,
+    0x0809_0a0b,
+    0x0c0d_0e0f,
+    0x0001_0203,
+    0x0405_0607,
+    0x0809_0a0b,
+    0x0c0d_0e0f,
 ];
 
 /// The matrix over GF(2) that puts the bits of a byte into the other order.
