@@ -46,32 +46,25 @@ const BYTES: [u32; 16] = [
 #[cfg(target_feature = "gfni")]
 const BITS: i64 = 0x8040_2010_0804_0201_u64 as i64;
 
-impl Reverse for u32x8 {
-    #[inline(always)]
-    fn reversed(self) -> Self {
-        #[cfg(all(target_feature = "gfni", target_feature = "avx2"))]
-        // SAFETY: the build has these features; registers only.
-        unsafe {
-            use core::arch::x86_64::*;
-            let bytes = _mm256_shuffle_epi8(self.into(), <u32x8 as Bits>::load(&BYTES).into());
-            _mm256_gf2p8affine_epi64_epi8::<0>(bytes, _mm256_set1_epi64x(BITS)).into()
+/// [`Reverse`] by intrinsics where the build has GFNI and `$feature`, else by swaps.
+macro_rules! reverse {
+    ($feature:literal, $type:ident, $shuffle:ident, $multiply:ident, $filled:ident) => {
+        impl Reverse for $type {
+            #[inline(always)]
+            fn reversed(self) -> Self {
+                #[cfg(all(target_feature = "gfni", target_feature = $feature))]
+                // SAFETY: the build has these features; registers only.
+                unsafe {
+                    use core::arch::x86_64::*;
+                    let bytes = $shuffle(self.into(), <$type as Bits>::load(&BYTES).into());
+                    $multiply::<0>(bytes, $filled(BITS)).into()
+                }
+                #[cfg(not(all(target_feature = "gfni", target_feature = $feature)))]
+                by_swaps(self)
+            }
         }
-        #[cfg(not(all(target_feature = "gfni", target_feature = "avx2")))]
-        by_swaps(self)
-    }
+    };
 }
 
-impl Reverse for u32x16 {
-    #[inline(always)]
-    fn reversed(self) -> Self {
-        #[cfg(all(target_feature = "gfni", target_feature = "avx512bw"))]
-        // SAFETY: the build has these features; registers only.
-        unsafe {
-            use core::arch::x86_64::*;
-            let bytes = _mm512_shuffle_epi8(self.into(), <u32x16 as Bits>::load(&BYTES).into());
-            _mm512_gf2p8affine_epi64_epi8::<0>(bytes, _mm512_set1_epi64(BITS)).into()
-        }
-        #[cfg(not(all(target_feature = "gfni", target_feature = "avx512bw")))]
-        by_swaps(self)
-    }
-}
+reverse!("avx2", u32x8, _mm256_shuffle_epi8, _mm256_gf2p8affine_epi64_epi8, _mm256_set1_epi64x);
+reverse!("avx512bw", u32x16, _mm512_shuffle_epi8, _mm512_gf2p8affine_epi64_epi8, _mm512_set1_epi64);
