@@ -24,6 +24,8 @@ pub enum CliError {
     Write { path: PathBuf, source: std::io::Error },
     #[error("no worker threads: {0}; ask for fewer with --threads")]
     Threads(#[from] rayon::ThreadPoolBuildError),
+    #[error("interrupted before every pixel had a sample; nothing was written")]
+    Interrupted,
     #[error("{0}")]
     Usage(String),
 }

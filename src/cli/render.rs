@@ -131,8 +131,7 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     summary.resumed_samples = held;
     // Pixels without a sample would be black; and a pilot's samples are in no image.
     if outcome.film.samples() == 0 {
-        eprintln!("interrupted before every pixel had a sample; nothing was written");
-        return Ok(true);
+        return Err(CliError::Interrupted);
     }
     if args.adaptive && outcome.adaptive.is_none() {
         log::warn!(

@@ -93,7 +93,8 @@ fn ctrl_c_during_the_pilot_leaves_the_image() {
     std::thread::sleep(std::time::Duration::from_millis(1500));
     nix::sys::signal::kill(nix::unistd::Pid::from_raw(child.id() as i32), nix::sys::signal::Signal::SIGINT).unwrap();
     let output = child.wait_with_output().unwrap();
-    assert!(text(&output.stderr).contains("nothing was written"), "{}", text(&output.stderr));
+    let said = text(&output.stderr);
+    assert!(said.contains("nothing was written") && output.status.code() == Some(2), "{said}");
     assert!(std::fs::read(scratch.path("a.exr")).unwrap() == before);
 }
 

@@ -179,7 +179,9 @@ fn ctrl_c_in_the_first_pass_leaves_no_black_tiles() {
         .unwrap();
     std::thread::sleep(std::time::Duration::from_millis(1500));
     nix::sys::signal::kill(nix::unistd::Pid::from_raw(child.id() as i32), nix::sys::signal::Signal::SIGINT).unwrap();
-    let said = child.wait_with_output().unwrap().stderr;
-    assert!(super::text(&said).contains("nothing was written"), "{}", super::text(&said));
+    let output = child.wait_with_output().unwrap();
+    let said = super::text(&output.stderr);
+    // Whoever waits for an image must see that there is none.
+    assert!(said.contains("nothing was written") && output.status.code() == Some(2), "{said}");
     assert_eq!(std::fs::read(scratch.path("a.exr")).unwrap(), b"an image of yesterday");
 }
