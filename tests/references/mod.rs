@@ -12,6 +12,7 @@ mod replicates;
 use crate::renders;
 use blocks::Part;
 use octolux::kernel::{Width, World};
+use octolux::sampling::SamplerKind;
 use octolux::scene::{self, Environment, EnvironmentImage, LightPaths, Scene};
 use reference::Reference;
 use replicates::Replicates;
@@ -51,12 +52,12 @@ const CASES: [Case; 11] = [
 /// the noise of their edges. Pixels below this see none.
 const NO_LAMP: f64 = 2.0;
 
-/// Means tested here, at most: three channels of every image and block, with and without light paths and with divided
-/// samples, and of the pixels without a lamp.
+/// Means tested here, at most: three channels of every image and block, with and without light paths, with divided samples
+/// and by Sobol' points, and of the pixels without a lamp.
 const TESTS: usize = {
     let (mut tests, mut i) = (3, 0);
     while i < CASES.len() {
-        tests += 3 * 3 * (1 + CASES[i].blocks * CASES[i].blocks) as usize;
+        tests += 4 * 3 * (1 + CASES[i].blocks * CASES[i].blocks) as usize;
         i += 1;
     }
     tests
@@ -74,8 +75,12 @@ fn load(name: &str) -> Option<(&'static Case, Scene, Reference)> {
 }
 
 fn check(name: &str, change: impl FnOnce(Scene) -> Scene) {
+    check_by(SamplerKind::Independent, name, change);
+}
+
+fn check_by(sampler: SamplerKind, name: &str, change: impl FnOnce(Scene) -> Scene) {
     let Some((case, scene, reference)) = load(name) else { return };
-    let replicates = Replicates::render(&change(scene), case.samples, SEEDS);
+    let replicates = Replicates::render(&change(scene), sampler, case.samples, SEEDS);
     let check = |parts: &[Part]| blocks::check(&replicates, &reference, name, parts, TESTS);
     check(&[Part::whole(&reference)]);
     if case.blocks > 0 {
@@ -117,6 +122,22 @@ references! {
     furnace_rough_glass: "furnace_rglass_a0.5",
 }
 
+/// By the points that are drawn where nobody asks for others.
+#[test]
+fn cornell_by_sobol_points() {
+    check_by(SamplerKind::Sobol, "cornell", |scene| scene);
+}
+
+#[test]
+fn veach_mis_by_sobol_points() {
+    check_by(SamplerKind::Sobol, "veach_mis", |scene| scene);
+}
+
+#[test]
+fn cornell_direct_by_sobol_points() {
+    check_by(SamplerKind::Sobol, "cornell_direct", |scene| scene);
+}
+
 /// With paths from the lights, wanted or not.
 fn with_light_paths(mut scene: Scene) -> Scene {
     scene.integrator.light_paths = LightPaths::On;
@@ -152,10 +173,11 @@ fn veach_mis_adaptive() {
     const SAMPLES: u64 = 32;
     let Some((case, scene, reference)) = load("veach_mis") else { return };
     let render = |world: &World| renders::adaptive(world, SAMPLES, Width::native(), None).film;
-    let replicates = Replicates::render_by(&scene, ADAPTIVE_SEEDS, render);
+    let replicates = Replicates::render_by(&scene, SamplerKind::Independent, ADAPTIVE_SEEDS, render);
     blocks::check(&replicates, &reference, "veach_mis, adaptive", &[Part::whole(&reference)], TESTS);
     blocks::check(&replicates, &reference, "veach_mis, adaptive", &Part::blocks(&reference, case.blocks), TESTS);
-    let even = Replicates::render(&scene, SAMPLES, 4).relmse(&reference) - reference.relmse_floor;
+    let even =
+        Replicates::render(&scene, SamplerKind::Independent, SAMPLES, 4).relmse(&reference) - reference.relmse_floor;
     let found = replicates.relmse(&reference) - reference.relmse_floor;
     println!("veach_mis, {SAMPLES} samples: relMSE {found:.2e} adaptive, {even:.2e} even");
     assert!(found < 0.5 * even, "dividing the samples gained {:.2} alone", even / found);

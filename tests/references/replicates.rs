@@ -4,6 +4,8 @@ use super::reference::Reference;
 use crate::renders;
 use octolux::film::Film;
 use octolux::kernel::World;
+use octolux::plan::Force;
+use octolux::sampling::SamplerKind;
 use octolux::scene::Scene;
 
 /// Which seeds: fixed once and for all.
@@ -19,13 +21,13 @@ pub struct Replicates {
 }
 
 impl Replicates {
-    pub fn render(scene: &Scene, samples: u64, seeds: u64) -> Self {
-        Self::render_by(scene, seeds, |world| renders::film(world, samples))
+    pub fn render(scene: &Scene, sampler: SamplerKind, samples: u64, seeds: u64) -> Self {
+        Self::render_by(scene, sampler, seeds, |world| renders::film(world, samples))
     }
 
-    pub fn render_by(scene: &Scene, seeds: u64, render: impl Fn(&World) -> Film) -> Self {
+    pub fn render_by(scene: &Scene, sampler: SamplerKind, seeds: u64, render: impl Fn(&World) -> Film) -> Self {
         let (width, height) = (scene.film.width, scene.film.height);
-        let mut world = renders::world(scene, 0);
+        let mut world = renders::sampled(scene, 0, Force::default(), sampler);
         let mut sample_variance = vec![[0.0; 3]; (width * height) as usize];
         let images = (FIRST_SEED..FIRST_SEED + seeds).map(|seed| {
             world.seed = seed;
