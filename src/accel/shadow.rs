@@ -5,7 +5,7 @@ use super::interval::{Interval, Segments};
 use super::lanes::ones;
 use super::node::{Child, Node};
 use super::tree::{Block, PacketRay, STACK, Tree};
-use super::visits::{any_from_root, any_of};
+use super::visits::{MOST, any_from_root, any_of};
 use super::{Accel, Mode, Shadow, Single, Stream};
 use crate::geometry::slab::slab;
 use crate::geometry::{Hit, Ray, RaySetup};
@@ -17,6 +17,9 @@ const FEW: usize = 6;
 
 /// Children that a packet may leave at most.
 const LEFT: usize = 64;
+
+// What all packets of a flight leave fits the lists of visits.
+const _: () = assert!(LEFT * FEW * (RAYS / MAX_WIDTH) <= MOST);
 
 /// A child still to visit, and the lanes that enter it.
 #[derive(Clone, Copy)]

@@ -16,7 +16,7 @@ const TOGETHER: usize = 64;
 
 /// Visits of a kind that may wait. Beyond that nodes are visited one at a time, so that each level of the tree leaves seven
 /// more at most.
-const MOST: usize = 4096;
+pub const MOST: usize = 4096;
 
 /// A register is stored past the last.
 const PLACES: usize = MOST + 7 * MAX_DEPTH + MAX_WIDTH;

@@ -23,24 +23,16 @@ pub fn by_swaps<B: Bits>(x: B) -> B {
 
 /// For each byte of four its place in the other order, for all of a register.
 #[cfg(target_feature = "gfni")]
-const BYTES: [u32; 16] = [
-    0x0001_0203,
-    0x0405_0607,
-    0x0809_0a0b,
-    0x0c0d_0e0f,
-    0x0001_0203,
-    0x0405_0607,
-    0x0809_0a0b,
-    0x0c0d_0e0f,
-    0x0001_0203,
-    0x0405_0607,
-    0x0809_0a0b,
-    0x0c0d_0e0f,
-    0x0001_0203,
-    0x0405_0607,
-    0x0809_0a0b,
-    0x0c0d_0e0f,
-];
+const BYTES: [u32; 16] = {
+    let mut bytes = [0x0001_0203; 16];
+    let mut lane = 0;
+    while lane < bytes.len() {
+        // A shuffle stays within four lanes.
+        bytes[lane] += 0x0404_0404 * (lane as u32 % 4);
+        lane += 1;
+    }
+    bytes
+};
 
 /// The matrix over GF(2) that puts the bits of a byte into the other order.
 #[cfg(target_feature = "gfni")]

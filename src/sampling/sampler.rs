@@ -77,7 +77,7 @@ impl<R: Real> Sampler<R> {
             SamplerKind::Sobol => {
                 let key = sample_key(seed, pixel, 0);
                 let [low, high] = [key as u32, (key >> 32) as u32].map(R::Bits::splat);
-                Self(Xoshiro { s: [sobol::reverse::<R>(sample), low, high, sample] })
+                Self(Xoshiro { s: [sample.reverse_bits(), low, high, sample] })
             }
         }
     }

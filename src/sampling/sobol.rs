@@ -51,8 +51,8 @@ pub fn owen_2d<R: Real>(index: R::Bits, key: Key<R>, set: u32) -> [R::Bits; 2] {
     let second = pascal::<R>(shuffled);
     // The first dimension's matrix reverses the index: in reverse it is the index.
     [
-        reverse::<R>(laine_karras::<R>(shuffled, key.child(8 * set + 1))),
-        reverse::<R>(laine_karras::<R>(second, key.child(8 * set + 2))),
+        laine_karras::<R>(shuffled, key.child(8 * set + 1)).reverse_bits(),
+        laine_karras::<R>(second, key.child(8 * set + 2)).reverse_bits(),
     ]
 }
 
@@ -72,7 +72,7 @@ impl<R: Real> PairSet<R> {
     /// The set's own order of the indices, given in reverse.
     #[inline(always)]
     pub fn shuffle(self, reversed_index: R::Bits) -> R::Bits {
-        reverse::<R>(laine_karras::<R>(reversed_index, self.of_set))
+        laine_karras::<R>(reversed_index, self.of_set).reverse_bits()
     }
 
     /// The pair of a shuffled index, scrambled as the set says: over aligned blocks of 2^k samples a (0, k, 2)-net.
@@ -81,7 +81,7 @@ impl<R: Real> PairSet<R> {
         let second = pascal::<R>(shuffled);
         // One more mixing each: seeds that only differ by a constant would scramble both dimensions alike.
         let seeds = [0x7f4a_7c15, 0x94d0_49bb].map(|salt| mix::<R>(self.of_set + R::Bits::splat(salt)));
-        [reverse::<R>(laine_karras::<R>(shuffled, seeds[0])), reverse::<R>(laine_karras::<R>(second, seeds[1]))]
+        [laine_karras::<R>(shuffled, seeds[0]).reverse_bits(), laine_karras::<R>(second, seeds[1]).reverse_bits()]
     }
 }
 
@@ -129,13 +129,13 @@ pub fn sobol_reversed<R: Real>(index: R::Bits, dimension: usize) -> R::Bits {
 /// Number `dimension` of Sobol' point `index`, scrambled by the key; jointly over all dimensions, without padding.
 #[inline(always)]
 pub fn owen_sobol<R: Real>(index: R::Bits, key: Key<R>, dimension: usize) -> R::Bits {
-    reverse::<R>(laine_karras::<R>(sobol_reversed::<R>(index, dimension), key.child(dimension as u32)))
+    laine_karras::<R>(sobol_reversed::<R>(index, dimension), key.child(dimension as u32)).reverse_bits()
 }
 
 /// Number `dimension` of Sobol' point `index` under a random digital shift: every digit flipped alike for all points.
 #[inline(always)]
 pub fn shifted_sobol<R: Real>(index: R::Bits, key: Key<R>, dimension: usize) -> R::Bits {
-    reverse::<R>(sobol_reversed::<R>(index, dimension)) ^ key.child(dimension as u32)
+    sobol_reversed::<R>(index, dimension).reverse_bits() ^ key.child(dimension as u32)
 }
 
 /// Point `index` of [`owen_2d`]'s set 0 in f64, at the centres of its 2³² cells.
@@ -146,7 +146,7 @@ pub fn owen_pair(index: u32, key: u64) -> [f64; 2] {
 
 #[inline(always)]
 fn shuffle<R: Real>(index: R::Bits, seed: R::Bits) -> R::Bits {
-    reverse::<R>(laine_karras::<R>(reverse::<R>(index), seed))
+    laine_karras::<R>(index.reverse_bits(), seed).reverse_bits()
 }
 
 /// Sobol's second dimension in reverse: bit i is the parity of C(j, i)·bit j, which by Lucas is a sum over the supersets of
@@ -170,12 +170,6 @@ fn laine_karras<R: Real>(x: R::Bits, seed: R::Bits) -> R::Bits {
     let x = x * (seed.shr::<16>() | R::Bits::splat(1));
     let x = x ^ (x * R::Bits::splat(0x0552_6c56));
     x ^ (x * R::Bits::splat(0x53a2_2864))
-}
-
-/// The 32 digits in the other order.
-#[inline(always)]
-pub fn reverse<R: Real>(x: R::Bits) -> R::Bits {
-    x.reverse_bits()
 }
 
 /// MurmurHash3's 32-bit finaliser (Appleby 2011).
