@@ -84,15 +84,18 @@ fn ctrl_c_during_the_pilot_leaves_the_image() {
     let scratch = Scratch::new();
     scratch.run(&["render", "scene.toml", "--spp", "4", "-o", "a.exr", "--quiet"]);
     let before = std::fs::read(scratch.path("a.exr")).unwrap();
-    let child = std::process::Command::new(assert_cmd::cargo::cargo_bin("octolux"))
-        .current_dir(scratch.folder.path())
-        .args(["render", "scene.toml", "--adaptive", "--spp", "4096", "--size", "1024x1024", "-o", "a.exr", "--quiet"])
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(1500));
-    nix::sys::signal::kill(nix::unistd::Pid::from_raw(child.id() as i32), nix::sys::signal::Signal::SIGINT).unwrap();
-    let output = child.wait_with_output().unwrap();
+    let output = scratch.interrupted(&[
+        "render",
+        "scene.toml",
+        "--adaptive",
+        "--spp",
+        "4096",
+        "--size",
+        "1024x1024",
+        "-o",
+        "a.exr",
+        "--quiet",
+    ]);
     let said = text(&output.stderr);
     assert!(said.contains("nothing was written") && output.status.code() == Some(2), "{said}");
     assert!(std::fs::read(scratch.path("a.exr")).unwrap() == before);

@@ -171,15 +171,7 @@ fn ctrl_c_in_the_first_pass_leaves_no_black_tiles() {
     let slow = format!("{scene}\n[integrator]\nkind = \"gather\"\nsamples = 1024\n");
     std::fs::write(scratch.path("slow.toml"), slow).unwrap();
     std::fs::write(scratch.path("a.exr"), "an image of yesterday").unwrap();
-    let child = std::process::Command::new(assert_cmd::cargo::cargo_bin("octolux"))
-        .current_dir(scratch.folder.path())
-        .args(["render", "slow.toml", "-o", "a.exr", "--size", "2048x2048", "--quiet"])
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(1500));
-    nix::sys::signal::kill(nix::unistd::Pid::from_raw(child.id() as i32), nix::sys::signal::Signal::SIGINT).unwrap();
-    let output = child.wait_with_output().unwrap();
+    let output = scratch.interrupted(&["render", "slow.toml", "-o", "a.exr", "--size", "2048x2048", "--quiet"]);
     let said = super::text(&output.stderr);
     // Whoever waits for an image must see that there is none.
     assert!(said.contains("nothing was written") && output.status.code() == Some(2), "{said}");

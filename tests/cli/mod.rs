@@ -85,6 +85,20 @@ impl Scratch {
         octolux(self.folder.path(), arguments)
     }
 
+    /// Runs it, and interrupts it after a while.
+    pub fn interrupted(&self, arguments: &[&str]) -> Output {
+        let child = std::process::Command::new(assert_cmd::cargo::cargo_bin("octolux"))
+            .current_dir(self.folder.path())
+            .args(arguments)
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(1500));
+        nix::sys::signal::kill(nix::unistd::Pid::from_raw(child.id() as i32), nix::sys::signal::Signal::SIGINT)
+            .unwrap();
+        child.wait_with_output().unwrap()
+    }
+
     /// Runs it and parses what `--json -` printed.
     pub fn json(&self, arguments: &[&str]) -> serde_json::Value {
         let output = self.run(arguments);
