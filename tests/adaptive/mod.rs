@@ -196,6 +196,16 @@ fn too_few_samples_are_not_divided() {
     assert!(outcome.adaptive.is_none() && !outcome.film.is_uneven() && outcome.film.samples() == 15);
 }
 
+/// A quarter of few samples goes to the pilot, an eighth of many, by powers of two.
+#[test]
+fn the_pilot_takes_its_share() {
+    for (samples, pilot) in [(16, 4), (32, 8), (63, 8), (64, 16), (128, 16), (256, 32)] {
+        let outcome =
+            adaptive(&renders::world(&frame(), 1), samples, Width::native(), Some(&kernel(rare_on_the_right)));
+        assert_eq!(outcome.adaptive.expect("a pilot").pilot_samples, pilot, "{samples} samples");
+    }
+}
+
 /// Some tiles have an eighth of the average: however little time is left after the pilot, none of them is left black.
 #[test]
 fn no_tile_is_left_without_a_sample() {
