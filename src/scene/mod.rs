@@ -25,6 +25,7 @@ mod obj_texcoords;
 mod path_reuse;
 mod polygons;
 mod roulette;
+mod statements;
 mod surroundings;
 mod texture;
 mod toml_file;

@@ -5,6 +5,7 @@ use super::draft::{Draft, MapUse, Slot};
 use super::error::SceneError;
 use super::mtl_maps;
 use super::notes::Notes;
+use super::statements::Statements;
 use super::{Bsdf, ConductorFresnel, Masking, Material};
 use crate::bsdf::EXPONENT_MAX;
 use std::collections::BTreeMap;
@@ -28,8 +29,7 @@ impl Library {
     /// Reads an MTL file and checks its form; whether values lie in their domain is asked of materials in use only.
     pub fn read(file: PathBuf) -> Result<Self, SceneError> {
         let bytes = std::fs::read(&file).map_err(|error| SceneError::unreadable(&file, &error))?;
-        let text = String::from_utf8_lossy(&bytes);
-        let (canonical, keys) = check(&file, text.trim_start_matches('\u{feff}'))?;
+        let (canonical, keys) = check(&file, &bytes)?;
         let (parsed, _) = tobj::load_mtl_buf(&mut canonical.as_bytes()).map_err(|error| {
             SceneError::whole(&file, format!("cannot be read: {error}"), "export the materials again")
         })?;
@@ -55,12 +55,13 @@ struct Keys {
     maps: BTreeMap<String, String>,
 }
 
-/// Checks every line. Returns a text that tobj reads without panicking (it does on a colour of fewer than three
+/// Checks every statement. Returns a text that tobj reads without panicking (it does on a colour of fewer than three
 /// numbers), and the keys of each material.
-fn check(file: &Path, text: &str) -> Result<(String, Vec<Keys>), SceneError> {
+fn check(file: &Path, bytes: &[u8]) -> Result<(String, Vec<Keys>), SceneError> {
     let mut canonical = String::new();
     let mut materials: Vec<Keys> = Vec::new();
-    for (number, raw) in (1..).zip(text.lines()) {
+    let mut statements = Statements::new(bytes);
+    while let Some((number, raw)) = statements.read().map_err(|error| SceneError::unreadable(file, &error))? {
         let (key, value) = raw.trim().split_once(char::is_whitespace).unwrap_or((raw.trim(), ""));
         let value = value.trim();
         if key.is_empty() || key.starts_with('#') {

@@ -28,10 +28,10 @@ pub(super) fn read(file: &Path, notes: &mut Notes) -> Result<Obj, SceneError> {
     {
         return Err(SceneError::whole(file, "is a folder", "name an .obj file"));
     }
-    let feed = Feed::new(BufReader::with_capacity(1 << 16, opened), file);
+    let source = BufReader::with_capacity(1 << 16, opened);
     let (sender, receiver) = sync_channel(CHUNKS_AHEAD);
     let (outline, parsed) = std::thread::scope(|scope| {
-        let feeding = scope.spawn(move || feed.send(&sender));
+        let feeding = scope.spawn(move || Feed::new(file).send(source, &sender));
         let parsed = parse(receiver);
         (feeding.join(), parsed)
     });

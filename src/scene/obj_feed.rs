@@ -7,6 +7,7 @@
 use super::domain::FINITE;
 use super::error::SceneError;
 use super::notes::Notes;
+use super::statements::Statements;
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 use std::io::{BufRead, Read};
@@ -65,36 +66,28 @@ const CHUNK: usize = 1 << 15;
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 /// Makes canonical lines of an OBJ file's, some at a time.
-pub(super) struct Feed<'a, B> {
-    source: B,
+pub(super) struct Feed<'a> {
     file: &'a Path,
     numbers: HashMap<String, usize>,
     current: Option<usize>,
     smoothing: bool,
+    /// Where the statement at hand starts.
     line: usize,
-    raw: Vec<u8>,
     ready: String,
 }
 
-impl<'a, B: BufRead> Feed<'a, B> {
-    pub fn new(source: B, file: &'a Path) -> Self {
-        Self {
-            source,
-            file,
-            numbers: HashMap::new(),
-            current: None,
-            smoothing: false,
-            line: 0,
-            raw: Vec::new(),
-            ready: String::new(),
-        }
+impl<'a> Feed<'a> {
+    /// Of a file of that name.
+    pub fn new(file: &'a Path) -> Self {
+        Self { file, numbers: HashMap::new(), current: None, smoothing: false, line: 0, ready: String::new() }
     }
 
-    /// Sends the file to a reader on another thread, up to its end or an error, or as far as it listens.
-    pub fn send(mut self, lines: &SyncSender<std::io::Result<String>>) -> Outline {
+    /// Sends what the file holds to a reader on another thread, up to its end or an error, or as far as it listens.
+    pub fn send(mut self, source: impl BufRead, lines: &SyncSender<std::io::Result<String>>) -> Outline {
         let mut outline = Outline::default();
+        let mut statements = Statements::new(source);
         loop {
-            let chunk = self.refill(&mut outline).map(|()| std::mem::take(&mut self.ready));
+            let chunk = self.refill(&mut statements, &mut outline).map(|()| std::mem::take(&mut self.ready));
             let last = chunk.as_ref().map_or(true, String::is_empty);
             if lines.send(chunk).is_err() || last {
                 return outline;
@@ -103,25 +96,17 @@ impl<'a, B: BufRead> Feed<'a, B> {
     }
 
     /// Puts the next canonical lines into `ready`; leaves it empty at the end of the file and after an error.
-    fn refill(&mut self, outline: &mut Outline) -> std::io::Result<()> {
+    fn refill(&mut self, source: &mut Statements<impl BufRead>, outline: &mut Outline) -> std::io::Result<()> {
         self.ready.reserve(CHUNK + 256);
         while self.ready.len() < CHUNK && outline.error.is_none() {
-            self.raw.clear();
-            if self.source.read_until(b'\n', &mut self.raw)? == 0 {
-                break;
-            }
-            self.line += 1;
-            // Only names and comments hold other than ASCII; a name in another encoding stays equal to itself.
-            let raw = std::mem::take(&mut self.raw);
-            let text = String::from_utf8_lossy(&raw);
-            let text = if self.line == 1 { text.trim_start_matches('\u{feff}') } else { &text };
-            if let Err((message, mend)) = self.judge(text, outline) {
+            let Some((line, text)) = source.read()? else { break };
+            self.line = line;
+            if let Err((message, mend)) = self.judge(&text, outline) {
                 outline.error = Some(SceneError::at(self.file, self.line, message, mend));
             }
             if outline.error.is_some() {
                 self.ready.clear();
             }
-            self.raw = raw;
         }
         Ok(())
     }

@@ -2,9 +2,10 @@
 
 use super::error::SceneError;
 use super::notes::Notes;
+use super::statements::Statements;
 use super::{Mesh, NO_TEXCOORD};
 use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::BufReader;
 use std::path::Path;
 
 /// Appends the texture coordinates of the triangles from `first` on, which came from `file`, where `wears_texture`
@@ -18,18 +19,13 @@ pub(super) fn append(
     notes: &mut Notes,
 ) -> Result<(), SceneError> {
     mesh.texcoord_indices.resize(first, [NO_TEXCOORD; 3]);
-    let mut source =
-        BufReader::with_capacity(1 << 16, File::open(file).map_err(|error| SceneError::unreadable(file, &error))?);
+    let unreadable = |error| SceneError::unreadable(file, &error);
+    let source = BufReader::with_capacity(1 << 16, File::open(file).map_err(unreadable)?);
+    let mut statements = Statements::new(source);
     let base = mesh.texcoords.len();
-    let (mut raw, mut corners, mut line) = (Vec::new(), Vec::new(), 0);
-    loop {
-        raw.clear();
-        if source.read_until(b'\n', &mut raw).map_err(|error| SceneError::unreadable(file, &error))? == 0 {
-            break;
-        }
-        line += 1;
-        let text = String::from_utf8_lossy(&raw);
-        let text = text.trim_start_matches('\u{feff}').trim();
+    let mut corners = Vec::new();
+    while let Some((line, text)) = statements.read().map_err(unreadable)? {
+        let text = text.trim();
         let (key, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
         let words = rest.split_whitespace().take_while(|word| !word.starts_with('#'));
         match key {

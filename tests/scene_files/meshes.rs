@@ -244,6 +244,29 @@ fn files_as_others_write_them() {
     assert_eq!(loaded(&files, "a.obj").materials[0].bsdf, Bsdf::Diffuse { reflectance: [1.0; 3] });
 }
 
+/// A `\` at the end of a line takes in the next, in models and libraries, with the coordinates of textures too; in a
+/// comment it does not, and what comes after keeps its line number.
+#[test]
+fn lines_go_on_after_a_backslash() {
+    let mtl = "newmtl \\\nm\nKd 1 \\\n.5 .25\nmap_Kd \\\r\na.png\n";
+    let obj = "mtllib \\\na.mtl\n# C:\\models\\\nv 0 0 \\\n0\nv 1 \\\r\n0 \\ \r\n 0\nv 0 1 0 # in C:\\\nv -1 0\\\n0\nvt 0 0\nvt 1\\\n0\n\
+               vt 0 1\nusemtl \\\nm\nf 1/1 2/2\\\n3/3 \\\n\\\n4/1 \\";
+    let files = Files::new(&[("a.obj", obj), ("a.mtl", mtl)]);
+    image::RgbImage::new(1, 1).save(files.path("a.png")).expect("an image");
+    let scene = loaded(&files, "a.obj");
+    let [a, b, c, d] = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [-1., 0., 0.]];
+    assert_eq!([0, 1].map(|i| corners(&scene, i)), [[a, b, c], [a, c, d]]);
+    let uv = |i: u32| scene.mesh.texcoords[i as usize];
+    let [first, second, third] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+    let found: Vec<_> = scene.mesh.texcoord_indices.iter().map(|corners| corners.map(uv)).collect();
+    assert_eq!(found, [[first, second, third], [first, third, first]]);
+
+    let error = Files::new(&[("a.obj", "v 0 0 \\\n0\nv 1 0 \\\n x\n")]).error("a.obj");
+    assert_eq!(error.line, Some(3), "{error}");
+    let error = Files::new(&[("a.obj", "v 0 0 \\\n0\nv 1 0 x\n")]).error("a.obj");
+    assert_eq!(error.line, Some(3), "{error}");
+}
+
 /// Concave faces are covered once by their triangles, wherever the file starts them and however it is placed.
 #[test]
 fn concave_faces_keep_their_shape() {
