@@ -1,4 +1,6 @@
-//! OpenEXR to f32 planes: any flat file with R, G, B (or one `NAME.R/G/B`, or Y alone) in half, float or uint.
+//! OpenEXR to f32 planes: any flat file with R, G, B (or one layer `NAME.R/G/B`, or Y alone) in half, float or uint.
+//!
+//! The image is what the display window shows. The data window may hold less of it (the rest is 0) or reach beyond.
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek};
@@ -9,7 +11,7 @@ use exr::block::{UncompressedBlock, chunk::Chunk};
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, SampleType, Text};
 use exr::meta::header::Header;
-use exr::prelude::f16;
+use exr::prelude::{Vec2, f16};
 use rayon::prelude::*;
 
 use super::error::FilmError;
@@ -74,7 +76,7 @@ impl ExrImage {
 /// Reads the first part that holds a colour image. Decompresses in the current rayon pool.
 ///
 /// # Errors
-/// No such file, not an EXR, no colour channels, deep or subsampled data, a damaged file, or a header that asks for a
+/// No such file, not an EXR, no colour channels or those of several layers, deep or subsampled data, a damaged file, or a header that asks for a
 /// size that such a file cannot hold; one line that names `path`.
 pub fn read_exr(path: &Path) -> Result<ExrImage, FilmError> {
     read(path).map_err(|why| FilmError::read(path, why))
@@ -99,7 +101,7 @@ pub fn decode(bytes: impl Read + Seek, length: u64) -> Result<ExrImage, String> 
     let header = &reader.headers()[part];
     check_size(reader.headers(), header, length)?;
 
-    let (width, height) = (header.layer_size.width(), header.layer_size.height());
+    let Vec2(width, height) = header.shared_attributes.display_window.size;
     let mut image = ExrImage {
         width: width as u32,
         height: height as u32,
@@ -115,6 +117,7 @@ fn read_planes<R: Read + Seek>(reader: Reader<R>, part: usize, image: &mut ExrIm
     let mut chunks =
         reader.filter_chunks(true, |_, tile, block| block.layer == part && tile.is_largest_resolution_level())?;
     let meta = chunks.meta_data().clone();
+    let size = meta.headers[part].layer_size;
     let mut pixels_read = 0;
     loop {
         let batch: Vec<Chunk> = chunks.by_ref().take(CHUNKS_IN_FLIGHT).collect::<exr::error::Result<_>>()?;
@@ -132,20 +135,36 @@ fn read_planes<R: Read + Seek>(reader: Reader<R>, part: usize, image: &mut ExrIm
             copy_block(&block, &meta, image);
         }
     }
-    if pixels_read != image.width as usize * image.height as usize {
+    if pixels_read != size.area() {
         return Err(exr::error::Error::Invalid("pixels are missing".into()));
     }
     Ok(())
 }
 
+/// Copies the part of a block that the image shows.
 fn copy_block(block: &UncompressedBlock, meta: &MetaData, image: &mut ExrImage) {
-    let channels = &meta.headers[block.index.layer].channels;
+    let header = &meta.headers[block.index.layer];
+    let channels = &header.channels;
+    let [left, top] = data_origin(header);
+    let (width, height) = (i64::from(image.width), i64::from(image.height));
     for line in block.lines(channels) {
         let at = line.location;
-        let start = at.position.y() * image.width as usize + at.position.x();
-        let target = &mut image.channels[at.channel].1[start..start + at.sample_count];
-        convert(channels.list[at.channel].sample_type, line.value, target);
+        let (x, y) = (left + at.position.x() as i64, top + at.position.y() as i64);
+        if !(0..height).contains(&y) {
+            continue;
+        }
+        let (first, end) = (x.clamp(0, width), (x + at.sample_count as i64).clamp(0, width));
+        let kind = channels.list[at.channel].sample_type;
+        let bytes = &line.value[(first - x).min(at.sample_count as i64) as usize * kind.bytes_per_sample()..];
+        let row = (y * width) as usize;
+        convert(kind, bytes, &mut image.channels[at.channel].1[row + first as usize..row + end as usize]);
     }
+}
+
+/// Column and row of the image that the first pixel of the data is at.
+fn data_origin(header: &Header) -> [i64; 2] {
+    let (data, display) = (header.own_attributes.layer_position, header.shared_attributes.display_window.position);
+    [i64::from(data.x()) - i64::from(display.x()), i64::from(data.y()) - i64::from(display.y())]
 }
 
 fn convert(kind: SampleType, bytes: &[u8], target: &mut [f32]) {
@@ -167,31 +186,54 @@ fn convert(kind: SampleType, bytes: &[u8], target: &mut [f32]) {
 
 /// The first flat part with colour, and which of its channels are red, green and blue.
 fn find_colour(headers: &[Header]) -> Result<(usize, [usize; 3]), String> {
-    let flat = headers.iter().enumerate().filter(|(_, header)| !header.deep);
-    let found = flat.map(|(part, header)| (part, colour_channels(header))).find_map(|(part, c)| Some((part, c?)));
-    found.ok_or_else(|| {
-        let names: Vec<_> = headers.iter().flat_map(|h| &h.channels.list).map(|c| string(&c.name)).take(8).collect();
-        format!("no flat part has channels R, G, B or Y (it has: {})", names.join(", "))
-    })
+    for (part, header) in headers.iter().enumerate().filter(|(_, header)| !header.deep) {
+        if let Some(colour) = colour_channels(header)? {
+            return Ok((part, colour));
+        }
+    }
+    let names: Vec<_> = headers.iter().flat_map(|h| &h.channels.list).map(|c| string(&c.name)).take(8).collect();
+    Err(format!("no flat part has channels R, G, B or Y (it has: {})", names.join(", ")))
 }
 
-fn colour_channels(header: &Header) -> Option<[usize; 3]> {
+/// R, G and B; else those of the only layer that has them, or of the only one called `Combined` (Blender's for the image
+/// itself, among its passes); else Y.
+fn colour_channels(header: &Header) -> Result<Option<[usize; 3]>, String> {
     let names: Vec<String> = header.channels.list.iter().map(|c| string(&c.name)).collect();
     let place = |name: &str| names.iter().position(|known| known == name);
     let triple = |prefix: &str| {
         Some([place(&format!("{prefix}R"))?, place(&format!("{prefix}G"))?, place(&format!("{prefix}B"))?])
     };
+    if let Some(plain) = triple("") {
+        return Ok(Some(plain));
+    }
     let own_layers = ["variance.", "albedo.", "bmc.variance."];
     let prefixes = names.iter().filter_map(|name| name.strip_suffix('R')).filter(|p| p.ends_with('.'));
-    triple("")
-        .or_else(|| prefixes.filter(|p| !own_layers.contains(p)).find_map(triple))
-        .or_else(|| place("Y").map(|y| [y; 3]))
+    let layers = prefixes.filter(|p| !own_layers.contains(p)).filter_map(|p| Some((p, triple(p)?)));
+    let layers: Vec<_> = layers.collect();
+    let mut combined = layers.iter().filter(|(name, _)| *name == "Combined." || name.ends_with(".Combined."));
+    match (&layers[..], combined.next(), combined.next()) {
+        ([], ..) => Ok(place("Y").map(|y| [y; 3])),
+        ([(_, only)], ..) | (_, Some((_, only)), None) => Ok(Some(*only)),
+        _ => {
+            let names: Vec<_> = layers.iter().map(|(name, _)| name.trim_end_matches('.')).take(8).collect();
+            Err(format!(
+                "several layers have R, G and B ({}): write the one that is meant without a name",
+                names.join(", ")
+            ))
+        }
+    }
 }
 
 fn check_size(headers: &[Header], header: &Header, file_bytes: u64) -> Result<(), String> {
-    let (width, height) = (header.layer_size.width(), header.layer_size.height());
+    let (data, display) = (header.layer_size, header.shared_attributes.display_window.size);
+    let (width, height) = (data.width().max(display.width()), data.height().max(display.height()));
     if width.max(height) > MAX_SIDE {
         return Err(format!("{width}x{height} pixels are too many: {MAX_SIDE} a side is the most"));
+    }
+    let [left, top] = data_origin(header);
+    let meets = |start: i64, data: usize, display: usize| start < display as i64 && start + data as i64 > 0;
+    if !meets(left, data.width(), display.width()) || !meets(top, data.height(), display.height()) {
+        return Err("its data window holds nothing of its display window".to_owned());
     }
     if header.channels.list.iter().any(|c| (c.sampling.x(), c.sampling.y()) != (1, 1)) {
         return Err("subsampled channels are not supported".to_owned());

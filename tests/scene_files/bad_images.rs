@@ -50,6 +50,73 @@ fn every_encoding_is_read_and_scaled() {
     }
 }
 
+/// Directions go by the display window: data that fill a part of it, or more than it, stay where they belong.
+#[test]
+fn a_data_window_lies_in_its_display_window() {
+    let read = |size: (usize, usize), position: (i32, i32), display: [i32; 4]| {
+        let channels = exr::prelude::SpecificChannels::rgb(|at: exr::prelude::Vec2<usize>| {
+            (1.0f32 + at.x() as f32, 1.0f32 + at.y() as f32, 1.0f32)
+        });
+        let mut image = exr::prelude::Image::from_channels(size, channels);
+        image.layer_data.encoding = Encoding::FAST_LOSSLESS;
+        image.layer_data.attributes.layer_position = exr::prelude::Vec2(position.0, position.1);
+        let [x, y, width, height] = display;
+        image.attributes.display_window = exr::prelude::IntegerBounds::new((x, y), (width as usize, height as usize));
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image.write().to_buffered(&mut bytes).expect("an image in memory");
+        load_bytes(&bytes.into_inner(), "")
+    };
+    for (size, position, display) in [
+        ((16, 8), (0, 0), [0, 0, 16, 8]),
+        ((5, 3), (4, 2), [0, 0, 16, 8]),
+        ((5, 3), (-6, 18), [-10, 17, 16, 8]),
+        ((40, 50), (-3, -20), [0, 0, 16, 8]),
+        ((5, 20), (13, -1), [0, 0, 16, 8]),
+        ((5, 20), (-4, 7), [0, 0, 16, 8]),
+    ] {
+        let image = read(size, position, display).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((image.width, image.height), (16, 8));
+        for (i, texel) in image.texels.iter().enumerate() {
+            let x = i as i32 % 16 + display[0] - position.0;
+            let y = i as i32 / 16 + display[1] - position.1;
+            let is_held = (0..size.0 as i32).contains(&x) && (0..size.1 as i32).contains(&y);
+            let expected = if is_held { [1.0 + x as f32, 1.0 + y as f32, 1.0] } else { [0.0; 3] };
+            assert_eq!(*texel, expected, "texel {i} of {size:?} at {position:?} in {display:?}");
+        }
+    }
+    for (position, display) in [((16, 0), [0, 0, 16, 8]), ((0, -3), [0, 0, 16, 8]), ((0, 0), [5, 0, 16, 8])] {
+        let error = read((5, 3), position, display).expect_err("nothing of it is seen");
+        assert!(error.message.contains("display window"), "{error}");
+    }
+    let error = read((5, 3), (0, 0), [0, 0, 60_000, 60_000]).expect_err("a display window of 40 GB");
+    assert!(error.message.contains("60000x60000"), "{error}");
+}
+
+#[test]
+fn the_colours_of_a_layer_are_read() {
+    let read = |names: &[&str]| {
+        let folder = tempfile::tempdir().expect("a scratch folder");
+        let path = folder.path().join("e.exr");
+        octolux::film::exr_write::write_rows(&path, (2, 1), names, &[], |_, planes| {
+            planes.iter_mut().enumerate().for_each(|(i, value)| *value = i as f32);
+        })
+        .expect("an image");
+        load_bytes(&std::fs::read(&path).expect("the image"), "").map(|image| image.texels)
+    };
+    let of_first = [[0.0, 2.0, 4.0], [1.0, 3.0, 5.0]];
+    assert_eq!(read(&["sky.R", "sky.G", "sky.B"]).ok(), Some(of_first.to_vec()));
+    assert_eq!(read(&["R", "G", "B", "a.R", "a.G", "a.B"]).ok(), Some(of_first.to_vec()));
+    assert_eq!(
+        read(&["V.Combined.R", "V.Combined.G", "V.Combined.B", "V.AO.R", "V.AO.G", "V.AO.B"]).ok(),
+        Some(of_first.to_vec())
+    );
+    assert_eq!(read(&["Y"]).ok(), Some(vec![[0.0; 3], [1.0; 3]]));
+    let error = read(&["a.R", "a.G", "a.B", "b.R", "b.G", "b.B"]).expect_err("which of the two?");
+    assert!(error.message.contains("several layers have R, G and B (a, b)"), "{error}");
+    let error = read(&["R", "G"]).expect_err("no blue");
+    assert!(error.message.contains("R, G, B"), "{error}");
+}
+
 #[test]
 fn texels_that_are_no_radiance_are_named() {
     let bad: [Texel; 3] = [
