@@ -13,7 +13,7 @@ use crate::film::beside::write_beside;
 use crate::kernel::{Prepare, Width, World};
 use crate::plan::{Force, Plan};
 use crate::render::interrupt;
-use crate::scene::EnvironmentImage;
+use crate::scene::{EnvironmentImage, Scene};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -137,15 +137,17 @@ pub fn run(args: &EstimateArgs) -> Result<bool, CliError> {
         show(args, &demonstration)?;
         return Ok(true);
     }
-    let read = [&args.of.image, &args.of.scene].into_iter().flatten();
+    let scene = scene(args).map_err(CliError::Usage)?;
+    let read = [&args.of.image, &args.of.scene].into_iter().flatten().chain(scene.iter().flat_map(|s| &s.files));
     check_apart(args.json.as_deref().filter(|path| *path != Path::new("-")), read.map(PathBuf::as_path))?;
-    let problem = problem(args).map_err(CliError::Usage)?;
+    let problem = problem(args, scene.as_ref()).map_err(CliError::Usage)?;
     if args.methods.iter().any(|m| m == "help") {
         let (names, defaults) = problem.method_names();
         println!("default: {}\nalso: {}", names[..defaults].join(","), names[defaults..].join(","));
         return Ok(true);
     }
     let methods = methods(args, &*problem).map_err(CliError::Usage)?;
+    check_folder(args, ["errors.csv".to_owned()].into_iter().chain(page::PLOT_NAMES.map(plot_file)))?;
     let budget = Budget { samples: samples(args, &SAMPLES), repeats: args.repeats as usize, seed: args.seed };
     // Ctrl-C ends the study after the cell at hand: what is finished is reported.
     interrupt::listen();
@@ -192,15 +194,42 @@ fn demonstration(args: &EstimateArgs) -> Option<Result<Demonstration, String>> {
 
 fn show(args: &EstimateArgs, demonstration: &Demonstration) -> Result<(), CliError> {
     let json = serde_json::to_string_pretty(&demonstration.json()).map_err(|e| CliError::Usage(e.to_string()))? + "\n";
+    let plots = || demonstration.sections.iter().flat_map(|part| &part.plots);
+    check_folder(args, ["tables.csv".to_owned()].into_iter().chain(plots().map(|(name, _)| plot_file(name))))?;
     if let Some(folder) = &args.output {
-        write(&folder.join("report.html"), &demonstration.page(&command()).html())?;
         write(&folder.join("study.json"), &json)?;
         write(&folder.join("tables.csv"), &demonstration.csv())?;
-        for (name, plot) in demonstration.sections.iter().flat_map(|part| &part.plots) {
-            write(&folder.join(format!("{name}.svg")), &plot.svg_file())?;
+        write(&folder.join("report.html"), &demonstration.page(&command()).html())?;
+        for (name, plot) in plots() {
+            write(&folder.join(plot_file(name)), &plot.svg_file())?;
         }
     }
     print_or_write(args, &json, || print!("{demonstration}"))
+}
+
+fn plot_file(name: &str) -> String {
+    format!("{name}.svg")
+}
+
+/// The folder may hold an earlier study, which is replaced, but of the `names` of this one (and of what all have) nothing that
+/// was written by another program: to be known before anything is estimated.
+fn check_folder(args: &EstimateArgs, names: impl Iterator<Item = String>) -> Result<(), CliError> {
+    let Some(folder) = &args.output else { return Ok(()) };
+    let earlier = std::fs::read(folder.join("study.json")).ok();
+    let earlier = earlier.and_then(|text| serde_json::from_slice::<serde_json::Value>(&text).ok());
+    // The forms of a study and of a demonstration.
+    if earlier.is_some_and(|json| json.get("quantity").is_some() || json.get("lead").is_some()) {
+        return Ok(());
+    }
+    let mut files =
+        ["study.json", "report.html"].map(str::to_owned).into_iter().chain(names).map(|name| folder.join(name));
+    match files.find(|file| file.exists()) {
+        Some(file) => Err(CliError::Usage(format!(
+            "{}: is there already, and not made by `octolux estimate`; name another folder",
+            file.display()
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// The command line that was given, for the report.
@@ -208,16 +237,21 @@ fn command() -> String {
     std::iter::once("octolux".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" ")
 }
 
-fn illumination(of: &ProblemArgs, seed: u64, width: Width) -> Result<Box<dyn Problem>, String> {
-    let path = of.scene.as_ref().ok_or("illumination is of a scene: give --scene SCENE.toml")?;
-    let scene = crate::scene::load(path).map_err(|e| e.to_string())?;
-    let plan = Plan::new(&scene, Force::default(), false).with_light_samples_alone();
-    let world = World::new(&scene, plan, Prepare { seed, ..Prepare::default() }).map_err(|e| e.to_string())?;
+/// The scene of the problem, if it is of one.
+fn scene(args: &EstimateArgs) -> Result<Option<Scene>, String> {
+    let path = args.of.scene.as_ref().filter(|_| args.problem == ProblemName::Illumination);
+    path.map(|path| crate::scene::load(path).map_err(|e| e.to_string())).transpose()
+}
+
+fn illumination(of: &ProblemArgs, scene: Option<&Scene>, seed: u64, width: Width) -> Result<Box<dyn Problem>, String> {
+    let scene = scene.ok_or("illumination is of a scene: give --scene SCENE.toml")?;
+    let plan = Plan::new(scene, Force::default(), false).with_light_samples_alone();
+    let world = World::new(scene, plan, Prepare { seed, ..Prepare::default() }).map_err(|e| e.to_string())?;
     let (x, y) = of.pixel.unwrap_or((world.film.width / 2, world.film.height / 2));
     Ok(Box::new(problems::illumination(world, &scene.name, [x, y], width)?))
 }
 
-fn problem(args: &EstimateArgs) -> Result<Box<dyn Problem>, String> {
+fn problem(args: &EstimateArgs, scene: Option<&Scene>) -> Result<Box<dyn Problem>, String> {
     let of = &args.of;
     let width = args.lanes.unwrap_or_else(Width::native);
     let named = |default: &'static str| of.f.clone().unwrap_or_else(|| default.to_owned());
@@ -239,7 +273,7 @@ fn problem(args: &EstimateArgs) -> Result<Box<dyn Problem>, String> {
         }
         ProblemName::Interval => Box::new(problems::interval(&named("exp"), range, of.density.as_deref(), width)?),
         ProblemName::CubeD => Box::new(problems::cube(&named("sine"), of.dimensions, width)?),
-        ProblemName::Illumination => illumination(of, args.seed, width)?,
+        ProblemName::Illumination => illumination(of, scene, args.seed, width)?,
         ProblemName::VarianceRules | ProblemName::Gp1d | ProblemName::Ohagan => {
             return Err("this is shown, not studied".into());
         }
@@ -273,7 +307,7 @@ fn output(args: &EstimateArgs, problem: &dyn Problem, study: &Study) -> Result<(
         write(&folder.join("errors.csv"), &csv(study))?;
         write(&folder.join("report.html"), &page::page(study, &problem.notes(), &command()).html())?;
         for (name, plot) in page::plots(study) {
-            write(&folder.join(format!("{name}.svg")), &plot.svg_file())?;
+            write(&folder.join(plot_file(name)), &plot.svg_file())?;
         }
     }
     print_or_write(args, &json, || {

@@ -8,7 +8,10 @@ use crate::report::fit::Estimate;
 use crate::report::page::{Block, Cell as TableCell, Page, Section, Table};
 use crate::report::plot::{Curve, Guide, Plot, Point, Scale};
 
-/// The plots of a study, with the name of a file for each.
+/// All names that [`plots`] gives.
+pub const PLOT_NAMES: [&str; 5] = ["rmse-samples", "rmse-seconds", "mae-samples", "mae-seconds", "bias-samples"];
+
+/// The plots of a study, with the name of a file for each, one of [`PLOT_NAMES`].
 pub fn plots(study: &Study) -> Vec<(&'static str, Plot)> {
     let rmse = |c: &Cell| c.rmse;
     let mae = |c: &Cell| c.mae;

@@ -281,6 +281,38 @@ fn a_reference_of_somebody_elses_is_not_written_over() {
     assert_eq!(std::fs::read(scratch.path("out/reference.exr")).unwrap(), kept);
 }
 
+/// Of the files that a study leaves, each alone in a folder may be somebody's; a folder whose cells were deleted, to start anew,
+/// is a study's all the same.
+#[test]
+fn files_of_somebody_elses_are_not_written_over() {
+    let scratch = Scratch::new();
+    let run = |folder: &str| {
+        let budget = ["--quiet", "--spp", "1", "--seeds", "1", "--reference-spp", "4"];
+        let output = scratch.run(&[&["converge", "scene.toml", "-o", folder], &budget[..]].concat());
+        (output.status.code(), text(&output.stderr))
+    };
+    assert_eq!(run("out").0, Some(0));
+    let listed = |folder: &str| std::fs::read_dir(scratch.path(folder)).unwrap().map(|entry| entry.unwrap().path());
+    let files: Vec<_> = listed("out").chain(listed("out/images")).filter(|path| path.is_file()).collect();
+    assert_eq!(files.len(), 15);
+    for (i, file) in files.iter().enumerate() {
+        let folder = format!("{i}");
+        let name = file.strip_prefix(scratch.path("out")).unwrap();
+        let theirs = scratch.path(&folder).join(name);
+        std::fs::create_dir_all(theirs.parent().unwrap()).unwrap();
+        std::fs::write(&theirs, "mine").unwrap();
+        let (code, said) = run(&folder);
+        assert!(
+            code == Some(2) && said.lines().count() == 1 && said.contains(name.to_str().unwrap()),
+            "{name:?}: {said}"
+        );
+        assert_eq!(std::fs::read_to_string(&theirs).unwrap(), "mine");
+        assert_eq!(listed(&folder).count(), 1, "nothing was made beside {name:?}");
+    }
+    std::fs::remove_file(scratch.path("out/cells.json")).unwrap();
+    assert_eq!(run("out"), (Some(0), String::new()));
+}
+
 #[test]
 fn a_folder_belongs_to_one_study() {
     let scratch = Scratch::new();

@@ -20,6 +20,49 @@ fn a_study_writes_its_report() {
     assert_eq!(json["rows"].as_array().unwrap().len(), 6);
 }
 
+/// Of the files that a study or a demonstration leaves, each alone in a folder may be somebody's; an earlier study is replaced.
+#[test]
+fn files_of_somebody_elses_are_not_written_over() {
+    let scratch = Scratch::new();
+    for (kind, expected, problem) in [
+        ("study", 8, &["estimate", "die", "--methods", "mc,clamped", "--samples", "2,4", "--repeats", "20"][..]),
+        ("shown", 7, &["estimate", "gp-1d", "--samples", "2"]),
+    ] {
+        let run = |folder: &str| {
+            let output = scratch.run(&[problem, &["-o", folder]].concat());
+            (output.status.code(), text(&output.stderr))
+        };
+        assert_eq!((run(kind).0, run(kind).0), (Some(0), Some(0)));
+        let names: Vec<_> =
+            std::fs::read_dir(scratch.path(kind)).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert_eq!(names.len(), expected, "{names:?}");
+        for name in names {
+            let folder = format!("{kind} {}", name.display());
+            std::fs::create_dir(scratch.path(&folder)).unwrap();
+            std::fs::write(scratch.path(&folder).join(&name), "{}").unwrap();
+            let (code, said) = run(&folder);
+            assert!(
+                code == Some(2) && said.lines().count() == 1 && said.contains("another folder"),
+                "{name:?}: {said}"
+            );
+            let files: Vec<_> = std::fs::read_dir(scratch.path(&folder)).unwrap().collect();
+            assert_eq!((files.len(), std::fs::read(scratch.path(&folder).join(&name)).unwrap()), (1, b"{}".to_vec()));
+        }
+    }
+}
+
+/// The report is held against all that the scene is read from, not its own file alone.
+#[test]
+fn no_report_is_written_over_what_is_read() {
+    let scratch = Scratch::new();
+    let kept = std::fs::read(scratch.path("floor.obj")).unwrap();
+    let common = ["estimate", "illumination", "--scene", "scene.toml", "--pixel", "3,13", "--samples", "1"];
+    let output = scratch.run(&[&common[..], &["--repeats", "2", "--json", "floor.obj"]].concat());
+    let said = text(&output.stderr);
+    assert!(output.status.code() == Some(2) && said.contains("floor.obj: is read here"), "{said}");
+    assert_eq!(std::fs::read(scratch.path("floor.obj")).unwrap(), kept);
+}
+
 #[test]
 fn json_alone_goes_to_standard_output() {
     let scratch = Scratch::new();

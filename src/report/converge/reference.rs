@@ -85,20 +85,23 @@ impl Reference {
         Ok(Reference { path: path.to_owned(), width, height, planes, noise, noise_source, samples_per_pixel })
     }
 
+    /// What [`make`](Self::make) would write is not there yet, or a study has made it.
+    ///
+    /// # Errors
+    /// A file of that name is somebody's.
+    pub fn check_free(folder: &Path) -> Result<(), ConvergeError> {
+        made_before(folder).map(drop)
+    }
+
     /// Renders one with `samples` a pixel in all and writes it to `folder/reference.exr`, unless it is there already
     /// from the same scene and number of samples.
     ///
     /// # Errors
-    /// It cannot be written or read, an image of that name is there that no study has made, or the user interrupted.
+    /// It cannot be written or read, [one that no study has made](Self::check_free) is there, or the user interrupted.
     pub fn make(variant: &mut Variant, samples: u64, folder: &Path, loud: bool) -> Result<Self, ConvergeError> {
         let (path, film) = (folder.join("reference.exr"), variant.world.film);
         let each = samples.div_ceil(REPLICATES).max(1);
-        let there = read_sidecar(&path.with_extension("json"))?.filter(|sidecar| sidecar.fingerprint.is_some());
-        if there.is_none() && path.exists() {
-            let why =
-                "is there already, and not made by a study; name another folder, or measure against it by --reference";
-            return Err(ConvergeError::Reference { file: path.display().to_string(), why: why.to_owned() });
-        }
+        let there = made_before(folder)?;
         let made = there.is_some_and(|sidecar| {
             sidecar.spp == Some(each * REPLICATES) && sidecar.fingerprint.as_deref() == Some(&variant.fingerprint)
         });
@@ -161,6 +164,20 @@ fn render_reference(variant: &mut Variant, each: u64, path: &Path, loud: bool) -
         fingerprint: Some(variant.fingerprint.clone()),
     };
     Ok(write_beside(&path.with_extension("json"), |out| serde_json::to_writer_pretty(out, &sidecar))?)
+}
+
+/// What is said of the reference that a study has made in the folder, if one has.
+fn made_before(folder: &Path) -> Result<Option<Sidecar>, ConvergeError> {
+    let files = ["reference.exr", "reference.json"].map(|name| folder.join(name));
+    let made = read_sidecar(&files[1])?.filter(|sidecar| sidecar.fingerprint.is_some());
+    match files.into_iter().find(|file| made.is_none() && file.exists()) {
+        Some(file) => {
+            let why =
+                "is there already, and not made by a study; name another folder, or measure against it by --reference";
+            Err(ConvergeError::Reference { file: file.display().to_string(), why: why.to_owned() })
+        }
+        None => Ok(made),
+    }
 }
 
 /// `None` too for a file that is about something else: the report of a render may have this name.

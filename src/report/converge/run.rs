@@ -6,7 +6,7 @@ use super::reference::Reference;
 use super::statistics::{Accumulator, relative};
 use super::store::{Store, checksum};
 use super::summary::{self, ConvergeReport, Row};
-use super::{ConvergeError, html, pictures, write};
+use super::{ConvergeError, html, pictures, store, write};
 use crate::film::{self, Attribute, VarianceValidity, read_exr};
 use crate::kernel::World;
 use crate::render::{self, Options, Outcome, Progress, Times, interrupt};
@@ -118,6 +118,13 @@ impl Variant {
 /// The folder or reference cannot be used, or the user interrupted before a cell was finished.
 pub fn run(mut plan: Plan) -> Result<ConvergeReport, ConvergeError> {
     let start = Instant::now();
+    store::check_free(
+        &plan.folder,
+        write::NAMES.map(str::to_owned).into_iter().chain(pictures::names(plan.variants.len())),
+    )?;
+    if plan.reference.is_none() {
+        Reference::check_free(&plan.folder)?;
+    }
     let mut store = Store::open(&plan.folder, &plan.variants, plan.resume)?;
     // The first render of a world touches its memory for the first time: neither a pilot's time nor a cell's.
     plan.variants.iter_mut().for_each(|v| drop(v.render(1, u64::MAX, false)));

@@ -22,6 +22,8 @@ pub enum StoreError {
     Read { path: PathBuf, why: String },
     #[error("{path}: a study is here already; go on with it by --resume, or choose another folder", path = .path.display())]
     Occupied { path: PathBuf },
+    #[error("{path}: is there already, and not made by a study; name another folder", path = .path.display())]
+    Foreign { path: PathBuf },
     #[error("{path}: its cells were made {why}; choose another folder", path = .path.display())]
     Other { path: PathBuf, why: String },
 }
@@ -61,8 +63,6 @@ impl Store {
     /// # Errors
     /// The folder cannot be made or holds another study.
     pub fn open(folder: &Path, variants: &[Variant], resume: bool) -> Result<Self, StoreError> {
-        let images = folder.join("cells");
-        std::fs::create_dir_all(&images).map_err(|source| StoreError::Folder { path: images, source })?;
         let film = variants.first().map_or((0, 0), |v| (v.world.film.width, v.world.film.height));
         let scenes = variants.iter().map(|v| (v.arguments.clone(), v.fingerprint.clone())).collect();
         let origin = Origin {
@@ -85,6 +85,8 @@ impl Store {
                 store.take_over(serde_json::from_str(&text).map_err(read)?)?;
             }
         }
+        let images = folder.join("cells");
+        std::fs::create_dir_all(&images).map_err(|source| StoreError::Folder { path: images, source })?;
         Ok(store)
     }
 
@@ -142,6 +144,26 @@ impl Store {
     pub fn write(&self) -> Result<(), StoreError> {
         let file = File { origin: self.origin.clone(), cells: self.cells.clone() };
         Ok(write_beside(&self.file(), |out| serde_json::to_writer_pretty(out, &file))?)
+    }
+}
+
+/// A folder that holds no study, be it one whose cells were deleted, has none of the files of these names either: they are
+/// somebody else's.
+///
+/// # Errors
+/// Which one is there.
+pub fn check_free(folder: &Path, names: impl Iterator<Item = String>) -> Result<(), StoreError> {
+    let field = |file: &str, name: &str| {
+        let json: serde_json::Value = serde_json::from_slice(&std::fs::read(folder.join(file)).ok()?).ok()?;
+        json.get(name).cloned()
+    };
+    let reported = || field("report.json", "kind").is_some_and(|kind| kind == "converge");
+    if folder.join("cells.json").exists() || reported() || field("reference.json", "fingerprint").is_some() {
+        return Ok(());
+    }
+    match names.map(|name| folder.join(name)).find(|path| path.exists()) {
+        Some(path) => Err(StoreError::Foreign { path }),
+        None => Ok(()),
     }
 }
 

@@ -8,6 +8,19 @@ use crate::report::plot::{Curve, Guide, Plot, Point, Scale};
 use std::io::Write;
 use std::path::Path;
 
+/// What [`files`] writes, and the page.
+pub const NAMES: [&str; 9] = [
+    "report.json",
+    "errors.csv",
+    "report.html",
+    "rmse-samples.svg",
+    "rmse-seconds.svg",
+    "relmse-samples.svg",
+    "relmse-seconds.svg",
+    "relmse-wall.svg",
+    "bias-variance.svg",
+];
+
 /// Writes `report.json`, `errors.csv` and an SVG for each plot.
 ///
 /// # Errors
