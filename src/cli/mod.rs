@@ -65,6 +65,7 @@ enum Command {
 pub fn run() -> ExitCode {
     // The age of the process is read first of all, so that budgets count from exec.
     crate::process::seconds_since_process_start();
+    end_with_the_reader();
     log_to_stderr();
     let result = match Cli::parse().command {
         Command::Render(args) => render::run(&args),
@@ -73,7 +74,9 @@ pub fn run() -> ExitCode {
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Completions { shell } => {
-            clap_complete::generate(shell, &mut Cli::command(), "octolux", &mut std::io::stdout());
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "octolux", &mut script);
+            print!("{}", String::from_utf8_lossy(&script));
             Ok(true)
         }
         Command::Replay(args) => replay::run(&args),
@@ -100,6 +103,22 @@ fn compare(args: &crate::report::CompareArgs) -> Result<bool, CliError> {
 /// What a file says may hold control characters, which a terminal would obey.
 fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() && c != '\n' { char::REPLACEMENT_CHARACTER } else { c }).collect()
+}
+
+/// What a shell says of a program that SIGPIPE ended, as it ends those that write to a reader that is gone.
+const BROKEN_PIPE: i32 = 128 + 13;
+
+/// Where the reader of what is printed goes away (`| head`), the command ends without a word: Rust ignores the signal that would
+/// do that, and `print!` panics instead.
+fn end_with_the_reader() {
+    let report = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        let is_of_printing = |text: &str| text.starts_with("failed printing to std") && text.contains("os error 32");
+        if panic.payload_as_str().is_some_and(is_of_printing) {
+            std::process::exit(BROKEN_PIPE);
+        }
+        report(panic);
+    }));
 }
 
 /// The library's warnings go to standard error, a line each.

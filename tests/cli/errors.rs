@@ -228,6 +228,26 @@ fn more_samples_than_there_are_indices() {
     assert!(scratch.run(&last).status.success());
 }
 
+/// `octolux … | head`: the command ends as others do whose reader is gone, and says nothing.
+#[test]
+fn a_reader_that_goes_away_is_no_panic() {
+    let scratch = Scratch::new();
+    for arguments in [&["info", "scene.toml"][..], &["estimate", "die", "--repeats", "2"], &["completions", "bash"]] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = std::process::Command::new(assert_cmd::cargo::cargo_bin("octolux"))
+            .current_dir(scratch.folder.path())
+            .args(arguments)
+            .stdout(writer)
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap()
+            .wait_with_output()
+            .unwrap();
+        assert_eq!((output.status.code(), text(&output.stderr)), (Some(141), String::new()), "{arguments:?}");
+    }
+}
+
 /// What a user may type for a number: refused with exit code 2 and one line of what is wrong, or taken.
 #[test]
 fn no_argument_panics() {
