@@ -3,7 +3,7 @@
 use super::method::{Claim, Method, Single};
 use crate::film::shares::LARGEST_TRUSTED_OF_VALUE;
 use crate::report::fit::{Estimate, PowerLaw, fit_power_law, median};
-use crate::report::sidak::sidak_bound;
+use crate::report::sidak::{sidak_bound, sidak_student};
 use crate::sampling::sample_key;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -38,7 +38,7 @@ pub struct Cell {
     pub mean: Estimate,
     /// E\[Î\] − I.
     pub bias: Estimate,
-    /// How many standard errors of the mean the bias is; `None` where there is no spread.
+    /// How many standard errors of the mean the bias is, beyond what rounding may do; `None` where there is no spread.
     pub z: Option<f64>,
     /// |z| beyond what chance allows among all cells of the study.
     pub biased: bool,
@@ -94,7 +94,8 @@ pub struct Study {
     pub repeats: usize,
     pub seed: u64,
     pub rows: Vec<Row>,
-    /// The |z| that a bias must exceed to be called one: Šidák at a family-wise 1 %.
+    /// The |z| that a bias must exceed to be called one, where there are `repeats` of it: Šidák at a family-wise 1 %, by
+    /// Student's t.
     pub z_bound: f64,
 }
 
@@ -108,10 +109,14 @@ pub fn run(quantity: Quantity, methods: &[Method], budget: &Budget, stop: &(dyn 
 /// Marks biases once it is known how many were tested.
 fn judge(mut study: Study) -> Study {
     let tested = |row: &Row| row.cells.iter().filter(|cell| cell.z.is_some()).count();
-    study.z_bound = sidak_bound(study.rows.iter().map(tested).sum::<usize>() as u64);
+    let tests = study.rows.iter().map(tested).sum::<usize>() as u64;
+    let bound = |repeats: usize| sidak_student(tests, repeats.saturating_sub(1).min(u32::MAX as usize) as u32);
+    study.z_bound = bound(study.repeats);
+    let normal = sidak_bound(tests);
     for cell in study.rows.iter_mut().flat_map(|row| &mut row.cells) {
-        cell.biased = cell.z.is_some_and(|z| z.abs() > study.z_bound);
-        let chance = study.z_bound * (LEAST_COVERAGE * (1.0 - LEAST_COVERAGE) / cell.repeats as f64).sqrt();
+        let own = if cell.repeats == study.repeats { study.z_bound } else { bound(cell.repeats) };
+        cell.biased = cell.z.is_some_and(|z| z.abs() > own);
+        let chance = normal * (LEAST_COVERAGE * (1.0 - LEAST_COVERAGE) / cell.repeats as f64).sqrt();
         cell.own_interval_trusted = cell.own_coverage.is_none_or(|held| held >= LEAST_COVERAGE - chance);
     }
     study
@@ -171,7 +176,8 @@ fn cell(quantity: &Quantity, samples: usize, singles: &[Single], predicted_varia
     let variance = if repeats < 2 { 0.0 } else { mean.standard_error.powi(2) * repeats as f64 };
     // Spread that is rounding is no spread.
     let spread = mean.standard_error > 1e-14 * quantity.exact.abs() && repeats > 1;
-    let z = spread.then(|| allow(bias.value, quantity.exact_error) / mean.standard_error);
+    let rounding = ROUNDING * quantity.exact.abs();
+    let z = spread.then(|| allow(bias.value, quantity.exact_error + rounding) / mean.standard_error);
     let own: Option<f64> = singles.iter().map(|s| s.standard_error.map(|e| e * e)).sum();
     Cell {
         samples,
@@ -199,7 +205,7 @@ fn cell(quantity: &Quantity, samples: usize, singles: &[Single], predicted_varia
 
 /// Misses twice as often as an interval of 95 % should.
 const LEAST_COVERAGE: f64 = 0.9;
-/// Samples are single precision: closer to the truth than their rounding, relative to it, none can be.
+/// Samples are single precision: closer to the truth than their rounding, relative to it, none can be, and neither can their mean.
 const ROUNDING: f64 = f32::EPSILON as f64;
 /// P(|Z| ≤ this) = .95.
 const NORMAL_95: f64 = 1.959_963_985;
@@ -220,9 +226,9 @@ fn largest_share(squares: &[f64]) -> f64 {
     if squares.len() > 1 && sum > 0.0 { squares.iter().fold(0.0, |a: f64, &b| a.max(b)) / sum } else { 0.0 }
 }
 
-/// What a value may owe to the error of the exact one is not its own bias.
-fn allow(bias: f64, exact_error: f64) -> f64 {
-    bias.signum() * (bias.abs() - exact_error).max(0.0)
+/// What a value may owe to the error of the exact one, or to rounding, is no bias of the method.
+fn allow(bias: f64, error: f64) -> f64 {
+    bias.signum() * (bias.abs() - error).max(0.0)
 }
 
 /// A single estimate is a rule's only one: its error has no spread.

@@ -1,5 +1,7 @@
 //! How large |z| may be among many independent tests.
 
+use super::fit::student_quantile;
+
 /// Family-wise probability of a false alarm that the house tests at.
 pub const FAMILY_WISE: f64 = 0.01;
 
@@ -14,6 +16,16 @@ pub fn sidak_bound(tests: u64) -> f64 {
         if two_sided_tail(middle) > tail { low = middle } else { high = middle }
     }
     0.5 * (low + high)
+}
+
+/// From here on Student's t is the normal distribution to 4e-4 of the bound.
+const NORMAL_FROM: u32 = 10_000;
+
+/// The same of Student's t with `dof` degrees of freedom, which a mean over its own standard error has: few values have tails
+/// that are no news. ∞ for none.
+pub fn sidak_student(tests: u64, dof: u32) -> f64 {
+    let confidence = (f64::ln_1p(-FAMILY_WISE) / tests.max(1) as f64).exp();
+    student_quantile(dof.min(NORMAL_FROM), confidence)
 }
 
 /// P(|Z| > z) for z ≥ 2, by Laplace's continued fraction of Mills' ratio, 1/(z + 1/(z + 2/(z + 3/(z + …)))).

@@ -205,3 +205,34 @@ fn rounding_is_no_miss_where_nothing_varies() {
         assert!(cell.doubts().is_empty(), "{:?}", cell.doubts());
     }
 }
+
+/// Two or three estimates have Student's tails, not the normal law's: of 1,000 studies no more are told of a bias than the 1 % that
+/// chance allows.
+#[test]
+fn few_repeats_accuse_no_more_than_chance_allows() {
+    let problem = interval("exp", [0.0, 1.0], None, W).unwrap();
+    for repeats in [2, 3, 5] {
+        let accuses = |seed: &u64| {
+            let rows = study(&problem, &["mc", "stratified"], &[16, 64], repeats, *seed).rows;
+            rows.iter().flat_map(|row| &row.cells).any(|cell| cell.biased)
+        };
+        let accusations = (0..1000).filter(accuses).count();
+        assert!(accusations as f64 <= 10.0 + z_bound(3) * 10f64.sqrt(), "{repeats} repeats: {accusations}");
+    }
+}
+
+/// A mean that is off by what its samples are rounded to, ½π in single precision and such, is not called biased, however well it is
+/// known.
+#[test]
+fn rounding_is_no_bias() {
+    let sine = cube("sine", 1, W).unwrap();
+    let cosine = hemisphere("cosine", 1.0, 0, W).unwrap();
+    let cases: [(&dyn Problem, &str); 2] = [(&sine, "stratified"), (&cosine, "owen:uniform")];
+    for (problem, method) in cases {
+        let study = study(problem, &[method], &[1 << 16], 200, 0);
+        let cell = &study.rows[0].cells[0];
+        let off = cell.bias.value.abs() / study.quantity.exact;
+        assert!(off > 4.0 * cell.bias.standard_error / study.quantity.exact && off < 6e-8, "{cell:?}");
+        assert!(!cell.biased, "{method}: {cell:?}");
+    }
+}

@@ -78,6 +78,20 @@ impl CubeFunction {
         }
     }
 
+    /// How far the mean in single precision may be off.
+    fn rounding(&self) -> f64 {
+        let (d, half_ulp) = (self.dimensions as f64, f64::powi(2.0, -24));
+        match self.function {
+            // A factor's, and that of the product so far: each by half an ulp. The factor ½π is off by as much.
+            Function::Sine => 3.0 * d * half_ulp,
+            Function::Linear => 2.0 * d * half_ulp,
+            // Sums near d/2 are off by half an ulp of it for each term after the first; their density is at most 1.
+            Function::Diagonal => 2.0 * d * (d - 1.0) * half_ulp,
+            // An edge is off by half an ulp along each axis.
+            Function::Corner => d * half_ulp,
+        }
+    }
+
     fn lanes<R: Real>(&self, bits: &[Vec<u32>], values: &mut [f64]) {
         use crate::lane::Bits;
         let edge = R::splat(self.edge() as f32);
@@ -162,8 +176,7 @@ pub fn cube(name: &str, dimensions: usize, width: Width) -> Result<UnitProblem, 
             name: format!("cube-d, {name}, d = {dimensions}"),
             formula: formula.into(),
             exact: 1.0,
-            // An f32 corner is off by half an ulp along each axis.
-            exact_error: if function == Function::Corner { dimensions as f64 * f64::powi(2.0, -24) } else { 0.0 },
+            exact_error: integrand.rounding(),
             source: "closed form".into(),
         },
         variance: integrand.variance(),
