@@ -4,12 +4,11 @@
 //! plan is a pure function of the scene and the options; thresholds are compiled constants found by measuring
 //! (`benches/README.md`). A kernel specialised to a scene gives the general kernel's bits on it.
 
+mod decide;
 mod light_paths;
 mod path_reuse;
 
-use crate::light::{FEW_EMITTERS, MANY_LIGHTS};
-use crate::scene::{Bsdf, Environment, IntegratorKind, Material, NO_NORMAL, Scene};
-use std::collections::BTreeSet;
+use crate::scene::{IntegratorKind, Scene};
 
 /// Up to this many primitives a ray is tested against all of them and no tree is built.
 pub const BRUTE_FORCE_LIMIT: usize = 64;
@@ -177,143 +176,6 @@ impl Plan {
         Self::keeping(None, scene, force, albedo)
     }
 
-    /// Decides for a scene, but keeps `feature`, needed or not.
-    pub fn keeping(feature: Option<Feature>, scene: &Scene, force: Force, albedo: bool) -> Self {
-        let on = |which: Feature| feature == Some(which);
-        // What the general kernel keeps.
-        let forced = |which: Feature| force.general || on(which);
-        let light_transport = scene.integrator.kind.transports_light() || albedo || force.general;
-        let primitives = scene.mesh.triangles.len() + scene.spheres.len();
-        let mut decisions = Vec::new();
-        let mut decide = |what, kept: bool, why: String| {
-            decisions.push(Decision { what, kept, why });
-            kept
-        };
-
-        let small = primitives <= BRUTE_FORCE_LIMIT;
-        let geometry =
-            force.geometry.unwrap_or(if small && !force.general { GeometryMode::Brute } else { GeometryMode::Tree });
-        let order = if small { "at most" } else { "more than" };
-        decide("tree", geometry == GeometryMode::Tree, format!("{primitives} primitives, {order} {BRUTE_FORCE_LIMIT}"));
-
-        let used = used_materials(scene);
-        let count = |is: fn(&Material) -> bool| used.iter().filter(|&&m| is(&scene.materials[m])).count();
-        let mut model = |which: Feature, is: fn(&Material) -> bool| {
-            let wearing = count(is);
-            let why = format!("{wearing} of {} used materials scatter so", used.len());
-            decide(which.name(), light_transport && (wearing > 0 || forced(which)), why)
-        };
-        let microfacets = model(Feature::Microfacets, |m| {
-            matches!(m.bsdf, Bsdf::Conductor { .. } | Bsdf::Dielectric { .. }) || m.maps.metallic.is_some()
-        });
-        let phong = model(Feature::Phong, |m| matches!(m.bsdf, Bsdf::Phong { .. }));
-        let coated = model(Feature::Coated, |m| matches!(m.bsdf, Bsdf::Coated { .. }));
-        let general = microfacets || phong || coated;
-
-        let sphere_count = scene.spheres.len();
-        let spheres = decide("spheres", sphere_count > 0 || on(Feature::Spheres), format!("{sphere_count} spheres"));
-        let smooth = scene.mesh.normal_indices.iter().filter(|n| n[0] != NO_NORMAL).count();
-        let shading_normals = decide(
-            "shading normals",
-            smooth > 0,
-            format!("{smooth} of {} triangles are smooth", scene.mesh.triangles.len()),
-        );
-        let (lit, why) = match &scene.environment {
-            None => (false, "none in the scene".to_string()),
-            Some(Environment::Constant(c)) => (c.iter().any(|&x| x > 0.0), format!("constant {c:?}")),
-            Some(Environment::Image(i)) => (true, format!("{}×{} image", i.width, i.height)),
-        };
-        let environment = decide("environment", (lit || on(Feature::Environment)) && light_transport, why);
-        let by_path = matches!(scene.integrator.kind, IntegratorKind::Path | IntegratorKind::Direct);
-        let compensated_sky = decide(
-            "compensated sky",
-            environment && by_path && matches!(scene.environment, Some(Environment::Image(_))),
-            "for images whose samples stand beside those of materials".to_string(),
-        );
-        let emitters = used.iter().filter(|&&m| scene.materials[m].emission.iter().any(|&e| e > 0.0)).count();
-        let area_lights = decide(
-            "area lights",
-            (emitters > 0 || on(Feature::AreaLights)) && light_transport,
-            format!("{emitters} used materials emit"),
-        );
-        let lamps = emitting_primitives(scene);
-        let light_grid = decide(
-            "lights chosen by place",
-            area_lights && by_path && lamps >= MANY_LIGHTS,
-            format!("{lamps} primitives emit, {MANY_LIGHTS} are many"),
-        );
-        let shining = scene.delta_lights.iter().filter(|l| l.strength().iter().any(|&c| c > 0.0)).count();
-        let why = format!("{shining} in the scene");
-        let delta_lights =
-            decide("lights without extent", (shining > 0 || on(Feature::DeltaLights)) && light_transport, why);
-        let (wanted, why) = light_paths::decide(scene, &used, lamps);
-        let light_paths = decide("paths from the lights", wanted, why);
-        let last_by_lights = decide(
-            "last vertex by lights",
-            by_path && lamps > 0 && lamps <= FEW_EMITTERS && !lit && !light_paths,
-            format!("{lamps} primitives emit, {FEW_EMITTERS} are few; the rest of the light counts against it"),
-        );
-        let (possible, why) = path_reuse::decide(scene, used.iter().map(|&m| &scene.materials[m]), light_paths);
-        let path_reuse = decide("path reuse", possible, why);
-        let radius = scene.camera.lens_radius;
-        let lens = decide("lens", radius > 0.0, format!("its radius is {radius}"));
-        let images = Images::of(scene, &used);
-        let textures = decide(
-            "textures",
-            light_transport && (images.shading > 0 || forced(Feature::Textures)),
-            format!("{} of {} used materials have images", images.shading, used.len()),
-        );
-        let cutouts = decide(
-            "cut-outs",
-            images.cut_out > 0 || forced(Feature::CutOuts),
-            format!("{} used materials let rays pass", images.cut_out),
-        );
-        let patterned_lights = decide(
-            "patterned lights",
-            area_lights && (images.patterned > 0 || forced(Feature::PatternedLights)),
-            format!("{} used materials emit unevenly", images.patterned),
-        );
-        let mapped = scene.mesh.texcoords.len();
-        let texcoords = decide(
-            "texture coordinates",
-            mapped > 0 && (textures || cutouts),
-            format!("{mapped} in meshes that wear images"),
-        );
-        decide("light transport", light_transport, format!("integrator {:?}", scene.integrator.kind).to_lowercase());
-
-        let gather = Some(&scene.integrator).filter(|i| i.kind == IntegratorKind::Gather).map(|i| &i.gather);
-        // One direction alone says nothing of a variance.
-        let believes = gather.is_some_and(|g| g.method.is_bayesian() && g.samples > 1);
-        let why = if albedo { "features are written" } else { "features are not written" }.to_string();
-        let posterior = believes && decide("posterior variance", albedo, why);
-
-        let shading = if general { Shading::General } else { Shading::Lambert };
-        Plan {
-            geometry,
-            shading,
-            phong,
-            coated,
-            spheres,
-            shading_normals,
-            environment,
-            compensated_sky,
-            area_lights,
-            last_by_lights,
-            light_grid,
-            delta_lights,
-            light_paths,
-            path_reuse,
-            lens,
-            textures,
-            cutouts,
-            patterned_lights,
-            texcoords,
-            light_transport,
-            posterior,
-            decisions,
-        }
-    }
-
     /// The same for light samples that stand alone, or beside those of materials that are not the scene's and may not reach all
     /// that they scatter.
     pub fn with_light_samples_alone(self) -> Self {
@@ -333,33 +195,4 @@ impl Plan {
             .map(|d| format!("  {:8} {:26} {}\n", if d.kept { "kept" } else { "left out" }, d.what, d.why));
         format!("plan: geometry {:?}, shading {:?}\n{}", self.geometry, self.shading, lines.collect::<String>())
     }
-}
-
-/// How many of the used materials have images or opacity below 1, and for what.
-struct Images {
-    shading: usize,
-    cut_out: usize,
-    patterned: usize,
-}
-
-impl Images {
-    fn of(scene: &Scene, used: &BTreeSet<usize>) -> Self {
-        let count = |has: fn(&Material) -> bool| used.iter().filter(|&&m| has(&scene.materials[m])).count();
-        Images {
-            shading: count(|m| m.maps.shade()),
-            cut_out: count(Material::is_cut_out),
-            patterned: count(Material::is_patterned),
-        }
-    }
-}
-
-fn emitting_primitives(scene: &Scene) -> usize {
-    let materials = scene.mesh.material.iter().copied().chain(scene.spheres.iter().map(|s| s.material));
-    materials.filter(|&m| scene.materials[m as usize].emits()).count()
-}
-
-/// Materials that some primitive refers to.
-fn used_materials(scene: &Scene) -> BTreeSet<usize> {
-    let of_triangles = scene.mesh.material.iter().map(|&m| m as usize);
-    of_triangles.chain(scene.spheres.iter().map(|s| s.material as usize)).collect()
 }

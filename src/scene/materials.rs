@@ -4,9 +4,10 @@ use super::draft::Draft;
 use super::error::SceneError;
 use super::image_file::ImageFiles;
 use super::load::beside;
-use super::mtl::{ASSUMED_GREY, Library};
+use super::mtl::{self, ASSUMED_GREY};
+use super::mtl_file::Library;
 use super::notes::Notes;
-use super::obj_feed::{MaterialUse, Outline};
+use super::obj_outline::{MaterialUse, Outline};
 use super::{Bsdf, Material};
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
@@ -112,7 +113,7 @@ impl Libraries {
     }
 
     fn material(&self, obj: &Path, wanted: &MaterialUse, notes: &mut Notes) -> Result<(PathBuf, Draft), SceneError> {
-        let found = |library: &Library| Some((library.file.clone(), library.material(&wanted.name, notes)?));
+        let found = |library: &Library| Some((library.file.clone(), mtl::material(library, &wanted.name, notes)?));
         match self.read.iter().rev().find_map(found) {
             Some((file, material)) => Ok((file, material?)),
             None => {

@@ -2,7 +2,8 @@
 
 use super::error::SceneError;
 use super::notes::Notes;
-use super::obj_feed::{Feed, Lines, Outline};
+use super::obj_feed::{Feed, Lines};
+use super::obj_outline::Outline;
 use super::transform::{Transform, unit};
 use super::{Mesh, NO_NORMAL};
 use glam::DVec3;

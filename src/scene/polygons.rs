@@ -4,7 +4,7 @@
 //! ear by ear (Meisters 1975), into as many triangles in the same places, so that no index elsewhere changes.
 
 use super::Mesh;
-use super::obj_feed::PolygonRun;
+use super::obj_outline::PolygonRun;
 use glam::{DVec2, DVec3};
 
 /// A face of more corners stays a fan: cutting takes time quadratic in them.
