@@ -36,7 +36,7 @@ pub struct ExrImage {
     pub width: u32,
     /// Pixels.
     pub height: u32,
-    /// Name and plane of every channel of the part that holds the colour.
+    /// Name and plane of the channels of the part that holds the colour.
     pub channels: Vec<(String, Vec<f32>)>,
     /// Text, float and integer attributes of the header, sorted by name.
     pub attributes: Vec<(String, Attribute)>,
@@ -96,24 +96,47 @@ fn read(path: &Path) -> Result<ExrImage, String> {
 /// # Errors
 /// What is wrong with the bytes, in one line.
 pub fn decode(bytes: impl Read + Seek, length: u64) -> Result<ExrImage, String> {
+    decode_kept(bytes, length, |_| true)
+}
+
+/// As [`decode`], but without channels other than the colours and `A`: a render's layers are many times its image.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_colours(bytes: impl Read + Seek, length: u64) -> Result<ExrImage, String> {
+    decode_kept(bytes, length, |name| name == "A")
+}
+
+/// Keeps the colours and what `is_wanted`.
+fn decode_kept(bytes: impl Read + Seek, length: u64, is_wanted: impl Fn(&str) -> bool) -> Result<ExrImage, String> {
     let reader = exr::block::read(bytes, false).map_err(|error| describe(&error))?;
     let (part, colour) = find_colour(reader.headers())?;
     let header = &reader.headers()[part];
     check_size(reader.headers(), header, length)?;
 
     let Vec2(width, height) = header.shared_attributes.display_window.size;
+    let names = header.channels.list.iter().map(|c| string(&c.name)).enumerate();
+    let (kept, names): (Vec<usize>, Vec<String>) =
+        names.filter(|(c, name)| colour.contains(c) || is_wanted(name)).unzip();
     let mut image = ExrImage {
         width: width as u32,
         height: height as u32,
-        channels: header.channels.list.iter().map(|c| (string(&c.name), vec![0.0; width * height])).collect(),
+        channels: names.into_iter().map(|name| (name, vec![0.0; width * height])).collect(),
         attributes: attributes(header),
-        colour,
+        // In order, and the colours among them.
+        colour: colour.map(|channel| kept.partition_point(|&c| c < channel)),
     };
-    read_planes(reader, part, &mut image).map_err(|error| describe(&error))?;
+    read_planes(reader, part, &kept, &mut image).map_err(|error| describe(&error))?;
     Ok(image)
 }
 
-fn read_planes<R: Read + Seek>(reader: Reader<R>, part: usize, image: &mut ExrImage) -> exr::error::UnitResult {
+/// `kept`: which of the file's channels are the image's, in order.
+fn read_planes<R: Read + Seek>(
+    reader: Reader<R>,
+    part: usize,
+    kept: &[usize],
+    image: &mut ExrImage,
+) -> exr::error::UnitResult {
     let mut chunks =
         reader.filter_chunks(true, |_, tile, block| block.layer == part && tile.is_largest_resolution_level())?;
     let meta = chunks.meta_data().clone();
@@ -132,7 +155,7 @@ fn read_planes<R: Read + Seek>(reader: Reader<R>, part: usize, image: &mut ExrIm
                 return Err(exr::error::Error::Invalid("a chunk of another part".into()));
             }
             pixels_read += block.index.pixel_size.area();
-            copy_block(&block, &meta, image);
+            copy_block(&block, &meta, kept, image);
         }
     }
     if pixels_read != size.area() {
@@ -142,7 +165,7 @@ fn read_planes<R: Read + Seek>(reader: Reader<R>, part: usize, image: &mut ExrIm
 }
 
 /// Copies the part of a block that the image shows.
-fn copy_block(block: &UncompressedBlock, meta: &MetaData, image: &mut ExrImage) {
+fn copy_block(block: &UncompressedBlock, meta: &MetaData, kept: &[usize], image: &mut ExrImage) {
     let header = &meta.headers[block.index.layer];
     let channels = &header.channels;
     let [left, top] = data_origin(header);
@@ -150,6 +173,7 @@ fn copy_block(block: &UncompressedBlock, meta: &MetaData, image: &mut ExrImage) 
     for line in block.lines(channels) {
         let at = line.location;
         let (x, y) = (left + at.position.x() as i64, top + at.position.y() as i64);
+        let Ok(plane) = kept.binary_search(&at.channel) else { continue };
         if !(0..height).contains(&y) {
             continue;
         }
@@ -157,7 +181,7 @@ fn copy_block(block: &UncompressedBlock, meta: &MetaData, image: &mut ExrImage) 
         let kind = channels.list[at.channel].sample_type;
         let bytes = &line.value[(first - x).min(at.sample_count as i64) as usize * kind.bytes_per_sample()..];
         let row = (y * width) as usize;
-        convert(kind, bytes, &mut image.channels[at.channel].1[row + first as usize..row + end as usize]);
+        convert(kind, bytes, &mut image.channels[plane].1[row + first as usize..row + end as usize]);
     }
 }
 

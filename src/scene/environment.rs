@@ -16,7 +16,7 @@ const MOST_TEXELS: usize = 1 << 29;
 /// finite (before or after scaling).
 pub(super) fn read(file: &Path, scale: [f32; 3]) -> Result<EnvironmentImage, SceneError> {
     let bytes = std::fs::read(file).map_err(|error| SceneError::unreadable(file, &error))?;
-    let image = exr_read::decode(Cursor::new(&bytes), bytes.len() as u64).map_err(|why| {
+    let image = exr_read::decode_colours(Cursor::new(&bytes), bytes.len() as u64).map_err(|why| {
         SceneError::whole(file, why, "give a latitude-longitude OpenEXR image with channels R, G and B")
     })?;
     let (width, height) = (image.width as usize, image.height as usize);

@@ -82,7 +82,7 @@ fn decode(bytes: &[u8]) -> Result<Image, String> {
 }
 
 fn decode_exr(bytes: &[u8]) -> Result<Image, String> {
-    let image = exr_read::decode(Cursor::new(bytes), bytes.len() as u64)?;
+    let image = exr_read::decode_colours(Cursor::new(bytes), bytes.len() as u64)?;
     let [r, g, b] = image.rgb();
     let alpha = image.channel("A");
     let mut values = Vec::with_capacity(r.len() * if alpha.is_some() { 4 } else { 3 });

@@ -127,6 +127,30 @@ fn half_floats_tiles_and_other_layouts_are_read() {
     }
 }
 
+/// Of a render's layers a texture or sky takes the colours, whatever lies between them.
+#[test]
+fn colours_are_read_without_the_other_channels() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("layers.exr");
+    let names = ["A", "B", "G", "N.X", "Q", "R", "variance.R", "Z"];
+    let value = |channel: usize, y: usize, x: usize| (100 * channel + 10 * y + x) as f32;
+    write_rows(&path, (3, 2), &names, &[], |y, planes| {
+        planes.iter_mut().enumerate().for_each(|(i, v)| *v = value(i / 3, y, i % 3));
+    })
+    .unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let (length, all) = (bytes.len() as u64, read_exr(&path).unwrap());
+    let image = exr_read::decode_colours(Cursor::new(&bytes), length).unwrap();
+    let kept: Vec<&str> = image.channels.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!((kept, all.channels.len()), (vec!["A", "B", "G", "R"], 8));
+    assert_eq!(image.rgb(), all.rgb());
+    for (number, name) in names.iter().enumerate() {
+        let expected: Vec<f32> = (0..6).map(|i| value(number, i / 3, i % 3)).collect();
+        assert_eq!(all.channel(name), Some(&expected[..]), "{name}");
+        assert!(image.channel(name).is_none_or(|plane| plane == expected), "{name}");
+    }
+}
+
 fn message(path: &Path) -> String {
     let error = read_exr(path).expect_err("this must not be readable").to_string();
     assert!(error.starts_with(&path.display().to_string()) && !error.contains('\n'), "{error}");
