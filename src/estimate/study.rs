@@ -71,6 +71,9 @@ impl Cell {
         if let Some(held) = self.own_coverage.filter(|_| !self.own_interval_trusted) {
             doubts.push(format!("its own 95 % intervals hold the truth in {:.1} %", 100.0 * held));
         }
+        if self.predicted_variance == Some(f64::INFINITY) {
+            doubts.push("its variance is infinite".to_owned());
+        }
         if self.largest_share > LARGEST_TRUSTED_OF_VALUE {
             doubts.push(format!("one estimate makes up {:.0} % of the squared error", 100.0 * self.largest_share));
         }

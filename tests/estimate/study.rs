@@ -236,3 +236,14 @@ fn rounding_is_no_bias() {
         assert!(!cell.biased, "{method}: {cell:?}");
     }
 }
+
+/// Of a constant a lobe of cos²θ leaves what no number of samples is sure to meet: whatever the points, it is told.
+#[test]
+fn infinite_variance_is_a_doubt() {
+    let constant = hemisphere("constant", 1.0, 0, W).unwrap();
+    for (method, doubtful) in [("mc:phong2", true), ("owen:phong2", true), ("owen:uniform", false)] {
+        let study = study(&constant, &[method], &[64], 100, 1);
+        let doubts = study.rows[0].cells[0].doubts();
+        assert_eq!(doubts.iter().any(|doubt| doubt.contains("infinite")), doubtful, "{method}: {doubts:?}");
+    }
+}

@@ -202,10 +202,11 @@ impl Hemisphere {
 
     fn mean(&self, name: &str, points: Points, density: Density) -> Method {
         let method = mean_over(name, points, self.over(density.clone()), self.width);
-        if points != Points::Independent {
+        let variance = self.variance(density);
+        // Of points that are not independent nothing is known but that no finite variance comes of an infinite one.
+        if points != Points::Independent && variance.is_finite() {
             return method;
         }
-        let variance = self.variance(density);
         method.with_variance(move |n| variance / n as f64)
     }
 
