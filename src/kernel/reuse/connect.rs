@@ -1,9 +1,9 @@
 //! First vertices of a group against the second vertices of all its paths.
 
-use super::finds::Find;
+use super::finds::{Find, Lobe};
 use super::pairs::{First, Second, material_of};
 use super::segments::Segments;
-use super::{ROW, Shared, place};
+use super::{ROW, Row, Shared, place};
 use crate::geometry::shadow_ray;
 use crate::kernel::path::Traversal;
 use crate::kernel::probe::{Lanes, Probe, Stage};
@@ -14,7 +14,15 @@ use crate::kernel::world::World;
 use crate::lane::{Bits, Mask, Real, Vec3, array};
 
 /// Sums are made of so many parts, whatever the number of lanes.
-const PARTS: usize = 16;
+pub const PARTS: usize = 16;
+
+/// A find as all first vertices see it.
+pub struct Seen<'a, R: Real> {
+    second: Second<R>,
+    lobe: Option<(&'a Row, Lobe)>,
+    /// Do all first vertices scatter it by their albedo times their density?
+    plain: bool,
+}
 
 /// Pixels that share, at one of their samples.
 pub struct Group<R: Real> {
@@ -88,6 +96,45 @@ impl<R: Real> Group<R> {
         self.scatter(stride, out, probe);
     }
 
+    /// First vertices.
+    pub fn len(&self) -> usize {
+        self.first.len()
+    }
+
+    /// A find before [weighing](Self::connect).
+    pub fn look<'a>(&self, world: &World, shared: &'a Shared, find: &Find) -> Seen<'a, R> {
+        let lobe = find.lobe.map(|lobe| (&shared.lobes[lobe.row], lobe));
+        let plain = self.lambert && lobe.is_none() && !world.plan.shading_normals;
+        Seen { second: Second::of(&shared.second[find.slot as usize]), lobe, plain }
+    }
+
+    /// With what density the first vertices from `first` on find it, and what each scatters of one unit; that is its albedo
+    /// times the density where there is no value.
+    #[inline(always)]
+    fn scattered<S: Shade>(
+        &self,
+        world: &World,
+        vertex: &First<R>,
+        seen: &Seen<R>,
+        first: usize,
+    ) -> (R, Option<Vec3<R>>) {
+        let valid = self.first.rows(first);
+        if seen.plain {
+            return (vertex.plain_density(&seen.second, valid), None);
+        }
+        let scattering = array::from_fn(|k| self.scattering.field(k, first));
+        let (density, value) = vertex.scatter::<S>(world, &scattering, &seen.second, seen.lobe, valid);
+        (density, Some(value))
+    }
+
+    /// The same with the value in any case, and whatever is in the way.
+    #[inline(always)]
+    pub fn scattered_unhidden<S: Shade>(&self, world: &World, seen: &Seen<R>, first: usize) -> (R, Vec3<R>) {
+        let (density, value) = self.scattered::<S>(world, &First::of(&self.first, first), seen, first);
+        let [x, y, z] = self.first.fields(place::ALBEDO, first);
+        (density, value.unwrap_or(Vec3::new(x, y, z) * density))
+    }
+
     /// Fills the tables.
     fn weigh<T: Traversal, S: Shade>(
         &mut self,
@@ -97,10 +144,9 @@ impl<R: Real> Group<R> {
         counters: &mut Counters,
     ) {
         let mut segments = Segments::new();
-        for (k, find) in self.finds.iter_mut().enumerate() {
-            let second = Second::of(&shared.second[find.slot as usize]);
-            let lobe = find.lobe.map(|lobe| (&shared.lobes[lobe.row], lobe));
-            find.plain = self.lambert && lobe.is_none() && !world.plan.shading_normals;
+        for k in 0..self.finds.len() {
+            let seen = self.look(world, shared, &self.finds[k]);
+            self.finds[k].plain = seen.plain;
             for first in (0..stride).step_by(R::WIDTH) {
                 let at = k * stride + first;
                 if first >= self.first.len() {
@@ -108,20 +154,13 @@ impl<R: Real> Group<R> {
                     continue;
                 }
                 let vertex = First::of(&self.first, first);
-                let valid = self.first.rows(first);
-                let (density, value) = if find.plain {
-                    (vertex.plain_density(&second, valid), None)
-                } else {
-                    let scattering = array::from_fn(|k| self.scattering.field(k, first));
-                    let (density, value) = vertex.scatter::<S>(world, &scattering, &second, lobe, valid);
-                    (density, Some(value))
-                };
+                let (density, value) = self.scattered::<S>(world, &vertex, &seen, first);
                 density.store(&mut self.density[at..]);
                 for (table, value) in self.value.iter_mut().zip(value.map(|v| [v.x, v.y, v.z]).into_iter().flatten()) {
                     value.store(&mut table[at..]);
                 }
-                let ray = shadow_ray(vertex.left, &second.at, second.ng);
-                if segments.add(ray, density.gt(R::zero()), at, !find.plain) {
+                let ray = shadow_ray(vertex.left, &seen.second.at, seen.second.ng);
+                if segments.add(ray, density.gt(R::zero()), at, !seen.plain) {
                     segments.trace::<T>(world, &mut self.density, &mut self.value, counters);
                 }
             }
@@ -152,7 +191,7 @@ impl<R: Real> Group<R> {
 }
 
 /// The sum of a row, in an order that is the same at any number of lanes.
-fn in_parts(row: &[f32]) -> f32 {
+pub fn in_parts(row: &[f32]) -> f32 {
     let mut sums = [0f32; PARTS];
     for part in row.chunks_exact(PARTS) {
         for (sum, x) in sums.iter_mut().zip(part) {

@@ -5,8 +5,8 @@ use crate::lane::array;
 
 /// So many finds of a group are shared, about: see [`balanced`]. Measured.
 const LEAST: f64 = 2.0;
-const MOST: f64 = 24.0;
-const BALANCE: f64 = 30.0;
+const MOST: f64 = 40.0;
+const BALANCE: f64 = 70.0;
 
 /// What one path found.
 pub struct Find {
@@ -16,7 +16,7 @@ pub struct Find {
     /// Radiance; once weighed, over the sum of densities.
     pub found: [f32; 3],
     /// How much of it the path's own pixel would have, about. In f64, like all that is made of it: squares of light stay in range.
-    worth: f64,
+    pub worth: f64,
     /// Do all first vertices scatter it by their albedo times their density?
     pub plain: bool,
 }
@@ -59,14 +59,13 @@ pub fn collect(slots: &[u32], shared: &Shared, rgb: &mut [[f32; 3]], finds: &mut
     }
 }
 
-/// Keeps each find with a probability in proportion to its worth, by one number for all (systematic sampling), and lets it
-/// carry the more. `u` is in [0, 1).
-pub fn choose(finds: &mut Vec<Find>, slots: &[u32], shared: &Shared, rgb: &[[f32; 3]], u: f64) {
-    let number = balanced(finds, slots, shared, rgb);
+/// Keeps about `number` finds, each with a probability in proportion to its worth, by one number for all (systematic sampling),
+/// and lets it carry the more. `u` is in [0, 1).
+pub fn choose(finds: &mut Vec<Find>, number: f64, u: f64) {
     if finds.len() as f64 <= number {
         return;
     }
-    let scale = number / finds.iter().map(|find| find.worth).sum::<f64>();
+    let scale = number / total_worth(finds);
     let mut walk = u;
     finds.retain_mut(|find| {
         let probability = (find.worth * scale).min(1.0);
@@ -81,23 +80,28 @@ pub fn choose(finds: &mut Vec<Find>, slots: &[u32], shared: &Shared, rgb: &[[f32
     });
 }
 
-/// As many as balance the noise of finds with that of all else: n of them cost c n beside a path's a and leave v/n beside the
-/// variance u of what is not shared, so √(a v / c u). Both variances are those among the group's pixels now; a/c is measured,
-/// and so is how much less u is where even points add up.
-fn balanced(finds: &[Find], slots: &[u32], shared: &Shared, rgb: &[[f32; 3]]) -> f64 {
+/// As many as balance the noise of the choice with that of all else: n of them cost c n beside a path's a and leave v/n beside the
+/// variance u of what is not chosen, so √(a v / c u). v is the [spread](super::spread). Were samples divided by need, u would be
+/// what is not shared among the group's own pixels; where all pixels have as many, it is the whole image's, in proportion to
+/// the group's brightness squared: it is taken halfway. a/c is measured, and so is how much less u is where even points add up.
+pub fn balanced(finds: &[Find], spread: f64, slots: &[u32], shared: &Shared, rgb: &[[f32; 3]]) -> f64 {
     let (mut n, mut sum, mut squares) = (0.0f64, 0.0f64, 0.0f64);
     for &slot in slots.iter().filter(|&&slot| shared.first[slot as usize][place::VALID] != 0.0) {
         let own = brightness(rgb[slot as usize]);
         (n, sum, squares) = (n + 1.0, sum + own, squares + own * own);
     }
-    let variance = |sum: f64, squares: f64| (squares - sum * sum / n.max(1.0)).max(0.0);
-    let worth = |of: fn(f64) -> f64| finds.iter().map(|find| of(find.worth)).sum::<f64>();
-    let (found, own) = (variance(worth(|x| x), worth(|x| x * x)), variance(sum, squares));
-    let balanced = BALANCE * (found / own).sqrt();
-    // Not a number where neither varies.
+    let n = n.max(1.0);
+    let (deviation, mean) = ((squares - sum * sum / n).max(0.0).sqrt() / n.sqrt(), (sum + total_worth(finds)) / n);
+    let balanced = BALANCE * (spread / (deviation * mean)).sqrt();
+    // Not a number where nothing varies.
     if balanced > LEAST { balanced.min(MOST) } else { LEAST }
 }
 
-fn brightness([r, g, b]: [f32; 3]) -> f64 {
+/// Of all of them.
+pub fn total_worth(finds: &[Find]) -> f64 {
+    finds.iter().map(|find| find.worth).sum()
+}
+
+pub fn brightness([r, g, b]: [f32; 3]) -> f64 {
     (f64::from(r) + f64::from(g) + f64::from(b)) * (1.0 / 3.0)
 }

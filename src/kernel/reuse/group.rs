@@ -2,6 +2,7 @@
 
 use super::connect::Group;
 use super::finds;
+use super::spread::spread;
 use crate::kernel::path::Traversal;
 use crate::kernel::probe::{Lanes, Probe, Stage};
 use crate::kernel::shade::Shade;
@@ -45,7 +46,9 @@ pub fn connect<R: Real, T: Traversal, S: Shade, P: Probe>(
                 group.begin(&slots, &out.shared);
                 finds::collect(&slots, &out.shared, &mut out.rgb, &mut group.finds);
                 let u = (key >> 40) as f64 * (1.0 / (1u32 << 24) as f64);
-                finds::choose(&mut group.finds, &slots, &out.shared, &out.rgb, u);
+                let spread = spread::<R, S>(&group, world, &out.shared);
+                let number = finds::balanced(&group.finds, spread, &slots, &out.shared, &out.rgb);
+                finds::choose(&mut group.finds, number, u);
                 group.connect::<T, S, P>(world, out, counters, probe);
             }
         }

@@ -24,6 +24,7 @@ mod finds;
 mod group;
 mod pairs;
 mod segments;
+mod spread;
 mod vertex;
 
 pub use group::{REUSE_SIDE, connect};
