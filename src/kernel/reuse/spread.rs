@@ -23,7 +23,7 @@ pub fn spread<R: Real, S: Shade>(group: &Group<R>, world: &World, shared: &Share
     }
     let all = total_worth(&group.finds);
     let mut sums = [[0f64; 2]; PIXELS];
-    let rows = || (0..group.len()).filter(|row| row / PARTS % STRIDE == 0);
+    let rows = || (0..group.len()).filter(|row| (row / PARTS).is_multiple_of(STRIDE));
     let rows_seen = rows().count() as f64;
     for find in probes(&group.finds, all) {
         let seen = group.look(world, shared, find);
