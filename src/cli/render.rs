@@ -48,8 +48,8 @@ pub struct RenderArgs {
     /// With --error: choose the sample count from a discarded pilot, so that the estimate stays unbiased
     #[arg(long, requires = "error")]
     unbiased: bool,
-    /// Give tiles numbers of samples that lower the relative error most, by a pilot whose samples are thrown away: adds no
-    /// bias. With --spp N they have N on average, beside the pilot's (an eighth of it, where N is small a quarter)
+    /// Give tiles numbers of samples that lower the relative error most, each by what the first samples (a quarter at most) of the
+    /// tiles next to it tell: adds no bias. With --spp N they have N on average
     #[arg(long, conflicts_with_all = ["tile", "state", "resume", "samples", "ladder", "unbiased"])]
     adaptive: bool,
     /// Also write albedo.*, N.* and Z of the first hit, and bmc.variance.* where the scene gathers by bmc or bmc-is
@@ -83,8 +83,7 @@ impl RenderArgs {
     }
 
     pub(super) fn options(&self, world: &World, budget: Budget, output_seconds: f64) -> Options {
-        let film = world.film;
-        let tile = if self.adaptive { adaptive_tile(film.width, film.height) } else { self.machine.tile(film) };
+        let tile = if self.adaptive { adaptive_tile(world) } else { self.machine.tile(world.film) };
         let (width, adaptive) = (self.machine.width(), self.adaptive);
         Options { budget, width, tile, aovs: self.aovs, output_seconds, adaptive }
     }
@@ -129,7 +128,7 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     progress.finish();
     let mut summary = Summary::new(&scene.name, &world, &options, threads, &outcome, times);
     summary.resumed_samples = held;
-    // Pixels without a sample would be black; and a pilot's samples are in no image.
+    // Pixels without a sample would be black.
     if outcome.film.samples() == 0 {
         return Err(CliError::Interrupted);
     }

@@ -25,7 +25,7 @@ pub struct Job {
     pub first_sample: u32,
     /// Samples a pixel in this job.
     pub samples: u32,
-    /// Of the camera paths' numbers: the world's, or a pilot's own.
+    /// Of the camera paths' numbers: the world's.
     pub seed: u64,
 }
 

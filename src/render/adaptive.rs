@@ -1,52 +1,53 @@
 //! Adaptive sampling: more samples for tiles where they lower the relative error most.
 //!
-//! A pilot of a few replicates, each of a seed of its own, tells each tile's error and what its samples cost; its samples
-//! are then thrown away. So the number of a pixel's samples is chosen without a look at them, and the estimate is as
-//! unbiased as with equal numbers (two-stage sampling; that a pilot which is kept would bias the mean: Kirk & Arvo 1991,
-//! "Unbiased sampling techniques for image synthesis"). Replicates see what even points err by, which s²/n does not.
+//! The first samples of every pixel, the pilot, tell each tile's error and what its samples cost. A tile's number of samples is
+//! chosen by what the pilot found in the four tiles next to it, and by nothing that it found in the tile. Pixels of different
+//! tiles have random numbers of their own, so whatever the number, the tile's samples are expected to be what they are among equal
+//! numbers: none of them has to be thrown away. (A tile that decides on itself keeps a pilot that missed the light: Kirk & Arvo
+//! 1991, "Unbiased sampling techniques for image synthesis".) What is said of all tiles, the factor that makes the numbers add up
+//! and how far the pilot is believed, is said of the squares of a chessboard by what was found on those of the other colour.
 //!
-//! The sum of vᵢ/nᵢ is least for a given sum of cᵢ nᵢ where nᵢ goes with √(vᵢ/cᵢ) (Neyman 1934). What the pilot says is
-//! believed as far as its two halves agree on it, the reliability of a test in halves (Spearman 1910, Brown 1910); the rest
-//! of the samples is spread evenly, a fifth at least, as a pilot may have missed what is rare.
+//! The sum of vᵢ/nᵢ is least for a given sum of cᵢ nᵢ where nᵢ goes with √(vᵢ/cᵢ) (Neyman 1934). v is the variance between
+//! groups of the pilot's samples, which sees what even points err by, as s²/n does not. It is believed as far as its two halves
+//! agree on it, the reliability of a test in halves (Spearman 1910, Brown 1910); the rest of the samples is spread evenly.
 
 use super::budget::{Budget, MAX_SAMPLES};
 use super::pass::Pass;
-use super::pilot::{Pilot, REPLICATES};
+use super::pilot::{Findings, GROUPS, Pilot};
 use super::splats::SplatSums;
-use crate::film::{Film, Rect};
-use crate::kernel::Counters;
+use crate::film::Film;
+use crate::kernel::{Counters, World};
 use crate::process::seconds_since_process_start;
 use crate::report::fit::{CONFIDENCE, student_quantile};
 use rayon::prelude::*;
 use std::fmt;
 use std::time::Instant;
 
-/// The pilot takes at most one in so many samples, or seconds that are left …
-const PILOT_SHARE: u64 = 8;
-/// … but one in so many of few samples, as long as a replicate has no more than these: one or two in a replicate overlook
-/// edges, and the tile that seemed quiet then has too few.
-const PILOT_SHARE_OF_FEW: u64 = 4;
-const FEW_SAMPLES: u64 = 4;
-/// Samples of a replicate: no more than this, however large the budget …
+/// The pilot takes at most one in so many samples: with fewer it overlooks edges, and the more of them are even, the fewer are left
+/// to be divided.
+const PILOT_SHARE: u64 = 4;
+/// Of the seconds that are left: as it takes four times as many samples as before or stops, between an eighth and a half.
+const PILOT_TIME_SHARE: f64 = 0.5;
+/// Samples of a group: no more than this, however large the budget …
 const MOST_SAMPLES: u64 = 64;
-/// … and where the budget is in seconds, these, or one if they would last too long.
-const TIMED_SAMPLES: u64 = 4;
+/// … and where it is an error, which even few samples may reach, these.
+const UNTOLD_SAMPLES: u64 = 4;
 /// Samples whose light paths are traced before the pilot.
 const SPLATS_FIRST: u64 = 16;
-/// Weight of an even share beside the pilot's, at least.
-const EVEN_SHARE: f64 = 0.2;
 /// Numbers of samples go from 2^LEAST to 2^MOST times the average: powers of two, at which Sobol' points are most even.
 const LEAST: i32 = -3;
 const MOST: i32 = 4;
-/// Side of the tiles whose numbers of samples differ, in pixels. Smaller ones follow edges closer, and keep fewer lanes busy.
-pub fn adaptive_tile(width: u32, height: u32) -> u32 {
-    if width.max(height) <= 512 { 4 } else { 8 }
+/// Side of the tiles whose numbers of samples differ, in pixels. Smaller ones follow edges closer, and are closer to those that
+/// decide on them; but where paths bounce they keep fewer lanes busy.
+pub fn adaptive_tile(world: &World) -> u32 {
+    let side = if world.max_bounces > 1.0 { 4 } else { 2 };
+    if world.film.width.max(world.film.height) <= 512 { side } else { 2 * side }
 }
 
 /// How samples were divided, and what shows whether that biased them.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct AdaptiveReport {
-    /// Samples a pixel of the pilot; they are not in the image.
+    /// Samples a pixel of the pilot; they are in the image.
     pub pilot_samples: u64,
     /// Seconds it took.
     pub pilot_seconds: f64,
@@ -56,10 +57,11 @@ pub struct AdaptiveReport {
     pub most: u64,
     /// Their mean over pixels.
     pub mean: f64,
-    /// Mean of the image over the pilot's, less 1, both without what light paths bring: about 0 where dividing the samples added
-    /// no bias.
+    /// Mean of the image over the pilot's, less 1, both without what light paths bring: about 0 where dividing the samples beyond
+    /// the pilot's added no bias.
     pub bias: f64,
-    /// Half the width of a 95 % interval around it.
+    /// Half the width of a 95 % interval around it: that of the pilot's mean. The image has the pilot in it and so is no further from it,
+    /// but for Sobol' points that are even together and not apart.
     pub bias_half_width: f64,
 }
 
@@ -67,7 +69,7 @@ impl fmt::Display for AdaptiveReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "adaptive: {} to {} samples a pixel, {:.1} on average, after a pilot of {} ({:.3} s, thrown away); bias as measured: {:+.2} ± {:.2} % of the pilot's mean",
+            "adaptive: {} to {} samples a pixel, {:.1} on average, the first {} as a pilot ({:.3} s); bias as measured: {:+.2} ± {:.2} % of the pilot's mean",
             self.least,
             self.most,
             self.mean,
@@ -84,8 +86,8 @@ pub(super) struct Rates {
     /// Tile by tile: the factor is 2 to this.
     exponents: Vec<i32>,
     /// What the pilot took and found.
-    pub samples: u64,
-    pub seconds: f64,
+    samples: u64,
+    seconds: f64,
     /// Of all pixels.
     pub seconds_per_sample: f64,
     mean: f64,
@@ -98,69 +100,60 @@ impl Rates {
     /// Samples that a tile of average rate may have.
     pub const MOST_SAMPLES: u64 = MAX_SAMPLES >> MOST;
 
-    /// Fewest samples of the average tile at which every tile has one.
-    pub const FEWEST_SAMPLES: u64 = 1 << -LEAST;
-
-    /// By a pilot that takes a quarter of a small budget at most, of a large one an eighth; `None` if that is too little for one, or the user
-    /// interrupts. Its rays are added to `counters`. In the current thread pool.
+    /// By a pilot on an empty film, of a quarter of the samples at most, or half the time; `None` if that is too little for one, or the user
+    /// interrupts: the film is empty then, too. Its rays are added to `counters`. In the current thread pool.
     ///
     /// Light paths of the first samples come before it, to show how bright their light is. They are kept: pixels are given what
     /// they bring whatever their samples.
     pub fn find(
         pass: &Pass,
-        film: &Film,
+        film: &mut Film,
         budget: &Budget,
         mut splats: Option<&mut SplatSums>,
         counters: &mut Counters,
     ) -> Option<Self> {
         let start = Instant::now();
-        let left = budget.seconds.map(|limit| (limit - seconds_since_process_start()) / PILOT_SHARE as f64);
+        let left = budget.seconds.map(|limit| (limit - seconds_since_process_start()) * PILOT_TIME_SHARE);
         if left.is_some_and(|left| left <= 0.0) {
             return None;
         }
-        let count = match budget.samples {
-            Some(samples) => replicate_samples(samples)?,
-            None => TIMED_SAMPLES,
+        let count = match (budget.samples, budget.error) {
+            (Some(samples), _) => group_samples(samples)?,
+            (None, None) => MOST_SAMPLES,
+            (None, Some(_)) => UNTOLD_SAMPLES,
         };
         if let (Some(light), Some(splats)) = (pass.light, splats.as_deref_mut()) {
             splats.trace_to(pass.world, light, SPLATS_FIRST.min(count), counters);
         }
-        let splats = splats.as_deref();
-        let mut pilot = Pilot::run(pass, film, if left.is_some() { 1 } else { count }, splats, counters)?;
-        if let Some(left) = left {
-            let left = left - start.elapsed().as_secs_f64();
-            if left < 0.0 {
-                return None;
-            }
-            if pilot.seconds * count as f64 <= left {
-                pilot = Pilot::run(pass, film, count, splats, counters)?;
-            }
+        let pilot = run(pass, film, count, left.map(|left| (start, left)), splats.as_deref(), counters);
+        if pilot.is_none() {
+            *film = Film::new(film.width(), film.height(), film.tile_side(), film.channels(), 0);
         }
-        Some(Self::of(&pilot, film, start.elapsed().as_secs_f64()))
+        Some(Self::of(&pilot?, film, budget.samples, start.elapsed().as_secs_f64()))
     }
 
-    /// By what a pilot says; it and what was tried before it took `seconds`.
-    fn of(pilot: &Pilot, film: &Film, seconds: f64) -> Self {
-        let rects: Vec<Rect> = film.tiles().iter().map(|tile| tile.rect()).collect();
-        let pixels: f64 = rects.iter().map(|rect| rect.pixels() as f64).sum();
-        let found: Vec<[f64; 3]> = rects.iter().map(|&rect| pilot.weights(rect)).collect();
-        let sum: f64 = found.iter().zip(&rects).map(|([weight, ..], rect)| weight * rect.pixels() as f64).sum();
-        let mean = if sum > 0.0 { sum / pixels } else { 1.0 };
-        let even = (1.0 - reliability(&found)).max(EVEN_SHARE);
-        let weights: Vec<f64> = found.iter().map(|[weight, ..]| even * mean + (1.0 - even) * weight).collect();
-        let (mean, variance, dof) = pilot.mean();
-        Rates {
-            exponents: exponents(&weights, &rects),
-            samples: pilot.samples,
-            seconds,
-            seconds_per_sample: pilot.seconds / pilot.samples as f64,
-            mean,
-            variance,
-            dof,
+    /// By what a pilot says, which took `seconds`, for so many samples a pixel on average, its own among them, or any number
+    /// beside its own.
+    fn of(pilot: &Pilot, film: &Film, average: Option<u64>, seconds: f64) -> Self {
+        let tiles: Vec<f64> = film.tiles().iter().map(|tile| tile.rect().pixels() as f64).collect();
+        let across = film.width().div_ceil(film.tile_side()) as usize;
+        let least = average.map_or(0.0, |average| pilot.samples as f64 / average as f64);
+        let found = beside(&pilot.tiles, across);
+        let mut exponents = vec![0; tiles.len()];
+        for colour in 0..2 {
+            let own: Vec<usize> = (0..tiles.len()).filter(|k| (k / across + k % across) % 2 == colour).collect();
+            let pixels: Vec<f64> = own.iter().map(|&k| tiles[k]).collect();
+            let found: Vec<[f64; 3]> = own.iter().map(|&k| found[k]).collect();
+            for (k, exponent) in own.into_iter().zip(exponents_of(&weights(&found, &pixels), &pixels, least)) {
+                exponents[k] = exponent;
+            }
         }
+        let (mean, variance, dof) = pilot.mean(3.0 * tiles.iter().sum::<f64>().max(1.0));
+        let (samples, seconds_per_sample) = (pilot.samples, pilot.seconds_per_sample);
+        Rates { exponents, samples, seconds, seconds_per_sample, mean, variance, dof }
     }
 
-    /// One past the last sample of a tile where the average tile's is `end`.
+    /// One past the last sample of a tile where the average tile's is `end`; it may have more.
     pub fn end(&self, tile: usize, end: u64) -> u64 {
         let exponent = self.exponents[tile];
         if exponent < 0 { end >> -exponent } else { end << exponent }
@@ -169,8 +162,6 @@ impl Rates {
     /// Of the finished film.
     pub fn report(&self, film: &Film) -> AdaptiveReport {
         let mean = mean_of_film(film);
-        // Of the pilot, and of the film as if its samples were the pilot's: even points, and dividing them, make it less.
-        let variance = self.variance * (1.0 + self.samples as f64 / film.mean_samples());
         // Nothing to compare where the image is black.
         let scale = if self.mean == 0.0 { 0.0 } else { 1.0 / self.mean };
         AdaptiveReport {
@@ -180,16 +171,63 @@ impl Rates {
             most: film.tiles().iter().map(|tile| tile.samples()).max().unwrap_or(0),
             mean: film.mean_samples(),
             bias: (mean - self.mean) * scale,
-            bias_half_width: student_quantile(self.dof, CONFIDENCE) * variance.sqrt() * scale.abs(),
+            bias_half_width: student_quantile(self.dof, CONFIDENCE) * self.variance.sqrt() * scale.abs(),
         }
     }
 }
 
-/// Samples of each replicate for a budget: a power of two.
-fn replicate_samples(budget: u64) -> Option<u64> {
-    let at_share = |share: u64| budget / (share * u64::from(REPLICATES));
-    let most = at_share(PILOT_SHARE).max(at_share(PILOT_SHARE_OF_FEW).min(FEW_SAMPLES)).min(MOST_SAMPLES);
+/// A pilot of `count` samples in each group; where time is limited to so many seconds from a start on, of one first, then of four
+/// times as many again and again, as long as those will take no longer.
+fn run(
+    pass: &Pass,
+    film: &mut Film,
+    count: u64,
+    time: Option<(Instant, f64)>,
+    splats: Option<&SplatSums>,
+    counters: &mut Counters,
+) -> Option<Pilot> {
+    let Some((start, limit)) = time else { return Pilot::run(pass, film, count, splats, counters) };
+    let mut pilot = Pilot::run(pass, film, 1, splats, counters)?;
+    // All samples so far become the first group.
+    while pilot.samples <= count {
+        let more = (u64::from(GROUPS) - 1) * pilot.samples;
+        if start.elapsed().as_secs_f64() + more as f64 * pilot.seconds_per_sample > limit {
+            break;
+        }
+        pilot = Pilot::run(pass, film, pilot.samples, splats, counters)?;
+    }
+    Some(pilot)
+}
+
+/// Samples of each group for a budget: a power of two.
+fn group_samples(budget: u64) -> Option<u64> {
+    let most = (budget / (PILOT_SHARE * u64::from(GROUPS))).min(MOST_SAMPLES);
     (most > 0).then(|| 1 << most.ilog2())
+}
+
+/// √(error of a pixel / rays of a sample), the mean of the four tiles next to each; three of it: by all groups of the pilot, and
+/// by each half of them. Rows have `across` tiles. Where there is but one tile nothing is known.
+fn beside(tiles: &[Findings], across: usize) -> Vec<[f64; 3]> {
+    let of_tile = |k: usize| {
+        let (left, right) =
+            ((!k.is_multiple_of(across)).then(|| k - 1), (!(k + 1).is_multiple_of(across)).then_some(k + 1));
+        let (mut sum, mut count) = ([0.0; 3], 0.0f64);
+        for tile in [left, right, k.checked_sub(across), Some(k + across)].into_iter().flatten() {
+            let Some(tile) = tiles.get(tile) else { continue };
+            sum = std::array::from_fn(|k| sum[k] + (tile.error[k] / tile.rays).sqrt());
+            count += 1.0;
+        }
+        sum.map(|sum| sum / count.max(1.0))
+    };
+    (0..tiles.len()).into_par_iter().map(of_tile).collect()
+}
+
+/// What numbers of samples should go with, of tiles of so many pixels.
+fn weights(found: &[[f64; 3]], pixels: &[f64]) -> Vec<f64> {
+    let sum: f64 = found.iter().zip(pixels).map(|([weight, ..], pixels)| weight * pixels).sum();
+    let mean = if sum > 0.0 { sum / pixels.iter().sum::<f64>() } else { 1.0 };
+    let even = 1.0 - reliability(found);
+    found.iter().map(|[weight, ..]| even * mean + (1.0 - even) * weight).collect()
 }
 
 /// Over pixels and channels.
@@ -201,7 +239,7 @@ fn mean_of_film(film: &Film) -> f64 {
 }
 
 /// Share of the weights' variance that is theirs and not the pilot's: 2r/(1 + r), r the correlation between the weights
-/// that each half of the replicates gives; 0 if there is none.
+/// that each half of the groups gives; 0 if there is none.
 fn reliability(weights: &[[f64; 3]]) -> f64 {
     let n = weights.len().max(1) as f64;
     let mean = |k: usize| weights.iter().map(|w| w[k]).sum::<f64>() / n;
@@ -212,14 +250,15 @@ fn reliability(weights: &[[f64; 3]]) -> f64 {
     2.0 * correlation / (1.0 + correlation)
 }
 
-/// Powers of two nearest to the weights times one factor: the largest at which the mean over pixels is at most 1.
-fn exponents(weights: &[f64], rects: &[Rect]) -> Vec<i32> {
+/// Powers of two nearest to the weights times one factor: the largest at which the mean over pixels is at most 1, where no tile
+/// has less than `least`.
+fn exponents_of(weights: &[f64], pixels: &[f64], least: f64) -> Vec<i32> {
     let rounded = |factor: f64| -> Vec<i32> { weights.iter().map(|weight| exponent(weight * factor)).collect() };
-    let pixels: f64 = rects.iter().map(|rect| rect.pixels() as f64).sum();
+    let all: f64 = pixels.iter().sum();
     let fits = |factor: f64| {
         let samples =
-            rounded(factor).into_iter().zip(rects).map(|(e, rect)| f64::from(e).exp2() * rect.pixels() as f64);
-        samples.sum::<f64>() <= pixels
+            rounded(factor).into_iter().zip(pixels).map(|(e, pixels)| f64::from(e).exp2().max(least) * pixels);
+        samples.sum::<f64>() <= all
     };
     let smallest = weights.iter().copied().fold(f64::INFINITY, f64::min).max(f64::MIN_POSITIVE);
     // With 0 all tiles have the least, which fits; with the other all have the most, which does not.

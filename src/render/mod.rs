@@ -174,9 +174,10 @@ pub fn render_by(
     pool.install(|| film.tiles_mut().par_iter_mut().for_each(TileFilm::begin));
     let mut counters = Counters::default();
     let mut splats = (options.adaptive && pass.light.is_some()).then(|| SplatSums::new(world));
-    let find = || pool.install(|| Rates::find(&pass, &film, &options.budget, splats.as_mut(), &mut counters));
+    let find = || pool.install(|| Rates::find(&pass, &mut film, &options.budget, splats.as_mut(), &mut counters));
     let rates = options.adaptive.then(find).flatten();
-    let (mut done, mut next) = (film.samples(), film.next_sample());
+    // What the pilot has taken is in the film, and done again by no tile.
+    let (mut done, mut next) = rates.as_ref().map_or((film.samples(), film.next_sample()), |_| (0, 0));
     let most = done + rates.as_ref().map_or(budget::MAX_SAMPLES, |_| Rates::MOST_SAMPLES) - next;
     let samples = Some(options.budget.samples.unwrap_or(most).min(most));
     let budget = Budget { samples, ..options.budget };
@@ -189,9 +190,6 @@ pub fn render_by(
             Ok(samples) => samples,
             Err(reason) => break reason,
         };
-        // No tile may be left without a sample.
-        let fewest = if rates.is_some() && done == 0 { Rates::FEWEST_SAMPLES } else { 0 };
-        let samples = samples.max(fewest);
         let pass_start = Instant::now();
         let (tiles, end) = (film.tiles_mut(), next + samples);
         counters.add(&pool.install(|| match &rates {

@@ -29,7 +29,7 @@ thread_local! {
 }
 
 impl Pass<'_> {
-    /// Samples to `end` of a tile of average rate, others by their rates, and as many of the light paths, which reach all tiles alike.
+    /// Samples to `end` of a tile of average rate, others by their rates and none that they have, and as many of the light paths, which reach all tiles alike.
     pub fn run_at_rates(
         &self,
         tiles: &mut [TileFilm],

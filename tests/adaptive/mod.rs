@@ -5,15 +5,16 @@
 use crate::equivalence::{assert_same, scenes};
 use crate::renders::{self, Set, adaptive, adaptive_on};
 use crate::stats;
-use octolux::kernel::{Counters, Job, REUSE_SIDE, SampleBuffer, Width, World};
+use octolux::kernel::{Counters, Job, SampleBuffer, Width, World};
 use octolux::process::seconds_since_process_start;
 use octolux::render::{Budget, thread_pool};
 use octolux::sampling::{SamplerKind, sample_key};
 use octolux::scene::{Bsdf, Camera, FilmSize, LightPaths, PathReuse, Scene, SceneBuilder};
-use std::sync::Mutex;
 use std::time::Duration;
 
 const SIDE: u32 = 32;
+/// Of the tiles that samples are divided among, where paths bounce.
+const TILE: u32 = 4;
 
 /// What is rendered does not matter to the kernels below: only its size does.
 fn frame() -> Scene {
@@ -59,30 +60,85 @@ fn noisy_tiles_have_more_samples_and_the_average_is_what_was_asked_for() {
     let outcome = adaptive(&world, 256, Width::native(), Some(&kernel(rare_on_the_right)));
     let report = outcome.adaptive.expect("256 samples are enough for a pilot");
     let at = |x: u32, y: u32| outcome.film.pixel(x, y).samples;
-    assert!((0..SIDE).all(|y| (0..SIDE / 2).all(|x| 2 * at(x, y) <= at(SIDE - 1 - x, y))), "quiet tiles have fewer");
-    assert!((0..SIDE).all(|y| (0..SIDE).all(|x| at(x, y).is_power_of_two() && at(x, y) >= 32)), "powers of two");
-    let sum: u64 = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))).map(|(x, y)| at(x, y)).sum();
+    // Tiles of the left that are next to the right are told that it is noisy there.
+    let quiet = SIDE / 2 - TILE;
+    assert!((0..SIDE).all(|y| (0..quiet).all(|x| 2 * at(x, y) <= at(SIDE - 1 - x, y))), "quiet tiles have fewer");
+    assert!((0..SIDE).all(|y| (0..SIDE).all(|x| at(x, y).is_power_of_two() && at(x, y) >= 64)), "powers of two");
+    let all = || (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)));
+    let sum: u64 = all().map(|(x, y)| at(x, y)).sum();
     let mean = sum as f64 / f64::from(SIDE * SIDE);
     assert_eq!(mean, report.mean);
     assert!((0.9 * 256.0..=256.0).contains(&mean), "{mean} samples on average where 256 were asked for");
-    assert_eq!((report.pilot_samples, report.least, report.most), (32, at(0, 0), at(SIDE - 1, 0)));
-    assert_eq!(outcome.counters.camera_rays, sum + 32 * u64::from(SIDE * SIDE), "the pilot's rays are counted");
+    let most = all().map(|(x, y)| at(x, y)).max().expect("pixels");
+    assert_eq!((report.pilot_samples, report.least, report.most), (64, at(0, 0), most));
+    assert_eq!(outcome.counters.camera_rays, sum, "the pilot's samples are the image's first");
+}
+
+/// What a tile's pixels find and what it costs leaves no trace in its number of samples, nor in those of any tile of its colour:
+/// given the numbers, its samples are as among equal numbers.
+#[test]
+fn no_tile_decides_on_itself() {
+    let world = renders::world(&frame(), 3);
+    // More noise to the right, more below, and in one tile far more, at far fewer rays.
+    let numbers = |loud: Option<(u32, u32)>| {
+        let noise = kernel(|x, u| if u < 0.5 { 0.0 } else { f32::exp2(0.2 * x as f32) });
+        let outcome = adaptive(
+            &world,
+            64,
+            Width::native(),
+            Some(&|world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
+                noise(world, job, out, counters);
+                let tile = (job.x / TILE, job.y / TILE);
+                assert!(job.width <= TILE && job.height <= TILE, "a job of several tiles counts rays of both colours");
+                for rgb in &mut out.rgb {
+                    *rgb = rgb.map(|value| 1.0 + 0.1 * tile.1 as f32 * value);
+                }
+                if Some(tile) == loud {
+                    // A flash in each half of the pilot's groups.
+                    for (k, rgb) in out.rgb.iter_mut().enumerate() {
+                        *rgb = [if k % 8 == 3 { 1e4 } else { 0.0 }; 3];
+                    }
+                } else {
+                    counters.bounce_rays += 9 * job.slots() as u64;
+                }
+            }),
+        );
+        (0..SIDE / TILE)
+            .flat_map(|j| (0..SIDE / TILE).map(move |i| (i, j)))
+            .map(|(i, j)| ((i, j), outcome.film.pixel(i * TILE, j * TILE).samples))
+            .collect::<Vec<_>>()
+    };
+    let usual = numbers(None);
+    let kinds = usual.iter().map(|(_, n)| n).collect::<std::collections::BTreeSet<_>>();
+    assert!(kinds.len() > 2, "nothing is divided: {kinds:?}");
+    for loud in [(0, 0), (3, 2), (7, 7), (4, 7)] {
+        let found = numbers(Some(loud));
+        let (mut same, mut others) = (0, 0);
+        for ((tile, was), (_, is)) in usual.iter().zip(&found) {
+            if (tile.0 + tile.1) % 2 == (loud.0 + loud.1) % 2 {
+                assert_eq!(was, is, "tile {tile:?} by what {loud:?} finds");
+                same += 1;
+            } else {
+                others += u32::from(was != is);
+            }
+        }
+        assert!(same == 32 && others > 0, "the tiles beside {loud:?} are told nothing of it");
+    }
 }
 
 /// Mean of the right half and its standard error over seeds, for 1.
-fn right_half<K: Fn(&World, &Job, &mut SampleBuffer, &mut Counters) + Sync>(kernel: impl Fn(u64) -> K) -> [f64; 2] {
-    const SEEDS: u64 = 400;
+fn right_half(seeds: u64, kernel: &(impl Fn(&World, &Job, &mut SampleBuffer, &mut Counters) + Sync)) -> [f64; 2] {
     let mut world = renders::world(&frame(), 0);
     let (mut sum, mut squares) = (0.0, 0.0);
-    for seed in 1..=SEEDS {
+    for seed in 1..=seeds {
         world.seed = seed;
-        let film = adaptive(&world, 32, Width::native(), Some(&kernel(seed))).film;
+        let film = adaptive(&world, 32, Width::native(), Some(kernel)).film;
         let right = (0..SIDE).flat_map(|y| (SIDE / 2..SIDE).map(move |x| (x, y)));
         let mean = right.map(|(x, y)| film.mean(x, y)[0]).sum::<f64>() / f64::from(SIDE * SIDE / 2);
         sum += mean;
         squares += mean * mean;
     }
-    let n = SEEDS as f64;
+    let n = seeds as f64;
     let variance = (squares - sum * sum / n) / (n - 1.0);
     println!("mean {:.5} ± {:.5} for 1", sum / n, (variance / n).sqrt());
     [sum / n, (variance / n).sqrt()]
@@ -91,26 +147,23 @@ fn right_half<K: Fn(&World, &Job, &mut SampleBuffer, &mut Counters) + Sync>(kern
 #[test]
 fn dividing_samples_adds_no_bias() {
     let bound = stats::z_bound(2);
-    let [mean, error] = right_half(|_| kernel(rare_on_the_right));
+    let [mean, error] = right_half(400, &kernel(rare_on_the_right));
     assert!((mean - 1.0).abs() <= bound * error, "mean {mean} ± {error} for 1");
-    // Were the pilot's samples the image's, too, a tile where it found nothing would have few samples, and keep that mean.
-    let [mean, error] = right_half(|seed| {
-        let replicates = Mutex::new(Vec::new());
-        move |world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
-            let mut job = *job;
-            if job.seed != seed {
-                let mut known = replicates.lock().expect("no test thread panics here");
-                let place = known.iter().position(|&seed| seed == job.seed);
-                job.first_sample = place.unwrap_or(known.len()) as u32;
-                if place.is_none() {
-                    known.push(job.seed);
-                }
-                job.seed = seed;
+    // Were the tiles next to each other one, so that a tile in which the pilot found nothing had few samples and kept that mean,
+    // it would be seen.
+    let together = |_: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
+        let mut slots = out.rgb.iter_mut();
+        for (y, x) in (job.y..job.y + job.height).flat_map(|y| (job.x..job.x + job.width).map(move |x| (y, x))) {
+            for (sample, rgb) in (job.first_sample..job.first_sample + job.samples).zip(&mut slots) {
+                let tiles = y / (2 * TILE) * SIDE + x / (2 * TILE);
+                let u = (sample_key(job.seed, tiles, sample) >> 11) as f64 * f64::exp2(-53.0);
+                *rgb = [rare_on_the_right(x, u); 3];
+                counters.camera_rays += 1;
             }
-            kernel(rare_on_the_right)(world, &job, out, counters);
         }
-    });
-    assert!(mean < 1.0 - 2.0 * bound * error, "a bias of a pilot that is kept is not seen: {mean} ± {error}");
+    };
+    let [mean, error] = right_half(1600, &together);
+    assert!(mean < 1.0 - bound * error, "a bias of a tile that decides on itself is not seen: {mean} ± {error}");
 }
 
 #[test]
@@ -132,27 +185,33 @@ fn the_bias_that_is_reported_is_one() {
     let honest = kernel(rare_on_the_right);
     let fair = report(&honest);
     assert!(fair.bias.abs() <= 1.5 * fair.bias_half_width, "{fair:?}");
-    // An image that is a tenth too bright beside its pilot.
-    let own = world.seed;
+    // Samples beyond the pilot's that are half as bright again.
     let skewed = |world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
         honest(world, job, out, counters);
-        if job.seed == own {
-            out.rgb.iter_mut().for_each(|rgb| *rgb = rgb.map(|value| 1.1 * value));
+        for (slot, rgb) in out.rgb.iter_mut().enumerate() {
+            if u64::from(job.first_sample) + slot as u64 % u64::from(job.samples) >= 64 {
+                *rgb = rgb.map(|value| 1.5 * value);
+            }
         }
     };
-    let found = report(&skewed);
+    let outcome = adaptive(&world, 256, Width::native(), Some(&skewed));
+    let found = outcome.adaptive.expect("a pilot");
+    let beyond = |x, y| 1.0 - 64.0 / outcome.film.pixel(x, y).samples as f64;
+    let sum: f64 = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))).map(|(x, y)| beyond(x, y)).sum();
+    let expected = 0.5 * sum / f64::from(SIDE * SIDE);
     assert!(
-        (found.bias - 0.1).abs() <= 1.5 * found.bias_half_width && found.bias > 2.0 * found.bias_half_width,
-        "{found:?}"
+        (found.bias - expected).abs() <= 1.5 * found.bias_half_width && found.bias > 2.0 * found.bias_half_width,
+        "{found:?}, {expected} expected"
     );
 }
 
-/// In an image of one block of pixels the pilot's four replicates have three degrees of freedom: with the normal factor 1.96 the
-/// interval would hold 0 in 85.5 %.
+/// In an image of one tile the pilot's four groups have three degrees of freedom: with the normal factor 1.96 the interval would
+/// hold 0 in 89 %. (It is one for the pilot's mean alone. That a quarter of the image is the pilot takes a quarter of the variance
+/// away: 96.6 %.)
 #[test]
 fn the_interval_of_the_bias_holds_as_often_as_it_says() {
     let mut scene = frame();
-    scene.film = FilmSize { width: REUSE_SIDE, height: REUSE_SIDE };
+    scene.film = FilmSize { width: TILE, height: TILE };
     const SEEDS: u64 = 500;
     let held = (0..SEEDS).filter(|&seed| {
         let world = renders::world(&scene, seed);
@@ -165,7 +224,7 @@ fn the_interval_of_the_bias_holds_as_often_as_it_says() {
     assert!((share - 0.95).abs() < 4.0 * error, "{share} for .95 ± {error}");
 }
 
-/// Blocks of pixels whose errors are one: the interval of the bias knows.
+/// Tiles of pixels whose errors are one: the interval of the bias knows.
 #[test]
 fn the_interval_of_the_bias_holds_where_pixels_share_their_errors() {
     const SEEDS: u64 = 60;
@@ -173,7 +232,7 @@ fn the_interval_of_the_bias_holds_where_pixels_share_their_errors() {
         let mut slots = out.rgb.iter_mut();
         for (y, x) in (job.y..job.y + job.height).flat_map(|y| (job.x..job.x + job.width).map(move |x| (y, x))) {
             for (sample, rgb) in (job.first_sample..job.first_sample + job.samples).zip(&mut slots) {
-                let key = sample_key(job.seed, y / REUSE_SIDE * SIDE + x / REUSE_SIDE, sample);
+                let key = sample_key(job.seed, y / TILE * SIDE + x / TILE, sample);
                 *rgb = [2.0 * (key >> 40) as f32 / (1u32 << 24) as f32; 3];
                 counters.camera_rays += 1;
             }
@@ -196,17 +255,17 @@ fn too_few_samples_are_not_divided() {
     assert!(outcome.adaptive.is_none() && !outcome.film.is_uneven() && outcome.film.samples() == 15);
 }
 
-/// A quarter of few samples goes to the pilot, an eighth of many, by powers of two.
+/// A quarter of the samples is the pilot, by powers of two.
 #[test]
 fn the_pilot_takes_its_share() {
-    for (samples, pilot) in [(16, 4), (32, 8), (63, 8), (64, 16), (128, 16), (256, 32)] {
+    for (samples, pilot) in [(16, 4), (32, 8), (63, 8), (64, 16), (128, 32), (2048, 256)] {
         let outcome =
             adaptive(&renders::world(&frame(), 1), samples, Width::native(), Some(&kernel(rare_on_the_right)));
         assert_eq!(outcome.adaptive.expect("a pilot").pilot_samples, pilot, "{samples} samples");
     }
 }
 
-/// Some tiles have an eighth of the average: however little time is left after the pilot, none of them is left black.
+/// However little time there is for the pilot and after it, no tile is left black.
 #[test]
 fn no_tile_is_left_without_a_sample() {
     let world = renders::world(&frame(), 2);
@@ -247,7 +306,10 @@ fn what_light_paths_bring_that_is_no_number_is_counted() {
 #[test]
 fn lanes_and_threads_leave_no_trace() {
     for sampler in [SamplerKind::Sobol, SamplerKind::Independent] {
-        let world = renders::sampled(&scenes::everything(), 4, Default::default(), sampler);
+        // Without shared paths, whose tiles would be few.
+        let mut scene = scenes::everything();
+        scene.integrator.path_reuse = PathReuse::Off;
+        let world = renders::sampled(&scene, 4, Default::default(), sampler);
         let alone = thread_pool(1).expect("a thread");
         let expected = adaptive_on(&alone, &world, 64, Width::One, None);
         assert!(expected.film.is_uneven(), "the scene has tiles that want more");

@@ -9,6 +9,7 @@ pub use set::{Point, Set};
 use octolux::film::Film;
 use octolux::kernel::{self, Prepare, Width, World};
 use octolux::plan::{Force, Plan};
+use octolux::render::adaptive::adaptive_tile;
 use octolux::render::{self, Budget, JobKernel, Options, Outcome, Progress};
 use octolux::sampling::SamplerKind;
 use octolux::scene::Scene;
@@ -60,8 +61,7 @@ fn options(how: How, budget: Budget, adaptive: bool) -> Options {
     Options { budget, width: how.width, tile: how.tile, aovs: false, output_seconds: 0.0, adaptive }
 }
 
-/// With samples divided by a pilot among tiles of four pixels a side, `samples` a pixel on average; by a kernel of one's
-/// own if there is one.
+/// With samples divided by a pilot, `samples` a pixel on average; by a kernel of one's own if there is one.
 pub fn adaptive(world: &World, samples: u64, width: Width, kernel: Option<JobKernel>) -> Outcome {
     adaptive_on(shared_pool(), world, samples, width, kernel)
 }
@@ -102,7 +102,7 @@ fn adaptive_within(
     width: Width,
     kernel: Option<JobKernel>,
 ) -> Outcome {
-    let options = options(How { width, tile: 4 }, budget, true);
+    let options = options(How { width, tile: adaptive_tile(world) }, budget, true);
     let film = render::empty_film(world, &options, 0);
     let of_world = kernel::select(world, width);
     render::render_by(kernel.unwrap_or(&of_world), film, world, &options, pool, &mut Progress::quiet(), &mut ())
