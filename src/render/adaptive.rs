@@ -260,8 +260,8 @@ fn exponents_of(weights: &[f64], pixels: &[f64], least: f64) -> Vec<i32> {
             rounded(factor).into_iter().zip(pixels).map(|(e, pixels)| f64::from(e).exp2().max(least) * pixels);
         samples.sum::<f64>() <= all
     };
-    let smallest = weights.iter().copied().fold(f64::INFINITY, f64::min).max(f64::MIN_POSITIVE);
-    // With 0 all tiles have the least, which fits; with the other all have the most, which does not.
+    let smallest = weights.iter().copied().filter(|&weight| weight > 0.0).fold(f64::INFINITY, f64::min);
+    // With 0 all tiles have the least, which fits; with the other all that weigh anything have the most.
     let (mut low, mut high) = (0.0, f64::from(MOST + 1).exp2() / smallest);
     for _ in 0..64 {
         let middle = 0.5 * (low + high);

@@ -126,6 +126,19 @@ fn no_tile_decides_on_itself() {
     }
 }
 
+/// A row of four tiles, of which the first is told of nothing but black, and the halves of the pilot agree: it has the least, and the
+/// third not.
+#[test]
+fn a_tile_beside_black_takes_nothing_from_others() {
+    let mut scene = frame();
+    scene.film = FilmSize { width: 4 * TILE, height: TILE };
+    let world = renders::world(&scene, 1);
+    let noisy = kernel(|x, u| if x / TILE == 1 { 0.0 } else { u as f32 });
+    let film = adaptive(&world, 64, Width::native(), Some(&noisy)).film;
+    let samples = [0, 2].map(|tile| film.pixel(tile * TILE, 0).samples);
+    assert_eq!(samples, [16, 64]);
+}
+
 /// Mean of the right half and its standard error over seeds, for 1.
 fn right_half(seeds: u64, kernel: &(impl Fn(&World, &Job, &mut SampleBuffer, &mut Counters) + Sync)) -> [f64; 2] {
     let mut world = renders::world(&frame(), 0);
