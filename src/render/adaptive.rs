@@ -40,8 +40,13 @@ const MOST: i32 = 4;
 /// Side of the tiles whose numbers of samples differ, in pixels. Smaller ones follow edges closer, and are closer to those that
 /// decide on them; but where paths bounce they keep fewer lanes busy.
 pub fn adaptive_tile(world: &World) -> u32 {
-    let side = if world.max_bounces > 1.0 { 4 } else { 2 };
+    let side = if bounces(world) { 4 } else { 2 };
     if world.film.width.max(world.film.height) <= 512 { side } else { 2 * side }
+}
+
+/// Is there light that comes by way of other surfaces?
+fn bounces(world: &World) -> bool {
+    world.max_bounces > 1.0
 }
 
 /// How samples were divided, and what shows whether that biased them.
@@ -129,16 +134,17 @@ impl Rates {
         if pilot.is_none() {
             *film = Film::new(film.width(), film.height(), film.tile_side(), film.channels(), 0);
         }
-        Some(Self::of(&pilot?, film, budget.samples, start.elapsed().as_secs_f64()))
+        let bounces = bounces(pass.world);
+        Some(Self::of(&pilot?, film, bounces, budget.samples, start.elapsed().as_secs_f64()))
     }
 
     /// By what a pilot says, which took `seconds`, for so many samples a pixel on average, its own among them, or any number
     /// beside its own.
-    fn of(pilot: &Pilot, film: &Film, average: Option<u64>, seconds: f64) -> Self {
+    fn of(pilot: &Pilot, film: &Film, bounces: bool, average: Option<u64>, seconds: f64) -> Self {
         let tiles: Vec<f64> = film.tiles().iter().map(|tile| tile.rect().pixels() as f64).collect();
         let across = film.width().div_ceil(film.tile_side()) as usize;
         let least = average.map_or(0.0, |average| pilot.samples as f64 / average as f64);
-        let found = beside(&pilot.tiles, across);
+        let found = beside(&pilot.tiles, across, bounces);
         let mut exponents = vec![0; tiles.len()];
         for colour in 0..2 {
             let own: Vec<usize> = (0..tiles.len()).filter(|k| (k / across + k % across) % 2 == colour).collect();
@@ -205,19 +211,23 @@ fn group_samples(budget: u64) -> Option<u64> {
     (most > 0).then(|| 1 << most.ilog2())
 }
 
-/// √(error of a pixel / rays of a sample), the mean of the four tiles next to each; three of it: by all groups of the pilot, and
-/// by each half of them. Rows have `across` tiles. Where there is but one tile nothing is known.
-fn beside(tiles: &[Findings], across: usize) -> Vec<[f64; 3]> {
+/// √(error of a pixel / rays of a sample), of the four tiles next to each; three of it: by all groups of the pilot, and by each
+/// half of them. Rows have `across` tiles. Where there is but one tile nothing is known.
+///
+/// The root is of the mean of the four where nothing bounces; where it does, rare paths make some errors large by chance, and a mean of
+/// roots follows those less.
+fn beside(tiles: &[Findings], across: usize, bounces: bool) -> Vec<[f64; 3]> {
+    let [inner, outer]: [fn(f64) -> f64; 2] = if bounces { [f64::sqrt, |x| x] } else { [|x| x, f64::sqrt] };
     let of_tile = |k: usize| {
         let (left, right) =
             ((!k.is_multiple_of(across)).then(|| k - 1), (!(k + 1).is_multiple_of(across)).then_some(k + 1));
         let (mut sum, mut count) = ([0.0; 3], 0.0f64);
         for tile in [left, right, k.checked_sub(across), Some(k + across)].into_iter().flatten() {
             let Some(tile) = tiles.get(tile) else { continue };
-            sum = std::array::from_fn(|k| sum[k] + (tile.error[k] / tile.rays).sqrt());
+            sum = std::array::from_fn(|k| sum[k] + inner(tile.error[k] / tile.rays));
             count += 1.0;
         }
-        sum.map(|sum| sum / count.max(1.0))
+        sum.map(|sum| outer(sum / count.max(1.0)))
     };
     (0..tiles.len()).into_par_iter().map(of_tile).collect()
 }
