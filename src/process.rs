@@ -17,6 +17,14 @@ pub fn seconds_since_process_start() -> f64 {
     age + instant.elapsed().as_secs_f64()
 }
 
+/// Says on standard error how work goes on. Where nobody reads that any more (`2>&1 | head`) the work goes on all the same:
+/// `eprintln!` would end it.
+pub fn tell(text: std::fmt::Arguments) {
+    use std::io::Write;
+    // Nothing could be done about it, and nobody be told.
+    let _ = std::io::stderr().write_fmt(text);
+}
+
 /// Age from /proc: start time in clock ticks since boot (field 22 of stat), and the uptime. Linux counts 100 ticks a
 /// second for user space on every architecture it runs on.
 fn process_age() -> Option<f64> {

@@ -58,7 +58,7 @@ pub fn run(args: &ConvergeArgs) -> Result<bool, CliError> {
     let report = converge::run(plan(args)?)?;
     if !args.quiet {
         print!("{}", table(&report));
-        eprintln!("{}", args.output.join("report.html").display());
+        crate::process::tell(format_args!("{}\n", args.output.join("report.html").display()));
     }
     Ok(true)
 }

@@ -43,9 +43,9 @@ pub fn run(args: &MergeArgs) -> Result<bool, CliError> {
         let (samples, parts) = (whole.film.samples(), args.parts.len());
         let relative_error = whole.film.relative_error();
         let error = relative_error.map_or(String::new(), |e| format!(", relative error {e:.5}"));
-        eprintln!("{samples} samples per pixel from {parts} states{error}");
+        crate::process::tell(format_args!("{samples} samples per pixel from {parts} states{error}\n"));
         if let Some(e) = relative_error {
-            eprint!("{}", whole.film.sample_shares(e));
+            crate::process::tell(format_args!("{}", whole.film.sample_shares(e)));
         }
     }
     Ok(true)

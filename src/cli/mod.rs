@@ -131,7 +131,7 @@ fn log_to_stderr() {
         fn log(&self, record: &log::Record) {
             if self.enabled(record.metadata()) {
                 let text = printable(&record.args().to_string());
-                eprintln!("octolux: {}: {text}", record.level().as_str().to_lowercase());
+                crate::process::tell(format_args!("octolux: {}: {text}\n", record.level().as_str().to_lowercase()));
             }
         }
         fn flush(&self) {}

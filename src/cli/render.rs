@@ -102,10 +102,10 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     let (scene, mut world, mut times) = pool.install(|| args.world())?;
     check_apart(files(args, &images), scene.files.iter().map(PathBuf::as_path))?;
     if !args.quiet {
-        scene.assumptions.iter().for_each(|line| eprintln!("assumed: {line}"));
+        scene.assumptions.iter().for_each(|line| crate::process::tell(format_args!("assumed: {line}\n")));
     }
     if args.explain {
-        eprint!("{}", world.plan.explain());
+        crate::process::tell(format_args!("{}", world.plan.explain()));
     }
     let pixels = f64::from(world.film.width) * f64::from(world.film.height);
     let mut options = args.options(&world, budget(args)?, images.guessed_seconds(pixels, args.aovs));
@@ -144,7 +144,7 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     summary.finish(start.elapsed().as_secs_f64());
     write_json(&summary, args.json.as_deref())?;
     if !args.quiet {
-        eprint!("{summary}");
+        crate::process::tell(format_args!("{summary}"));
     }
     Ok(true)
 }

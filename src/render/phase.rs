@@ -42,7 +42,7 @@ fn lines(name: String) -> Option<(Sender<()>, JoinHandle<()>)> {
     let start = Instant::now();
     let tell = move || {
         while receiver.recv_timeout(LINE_EVERY) == Err(RecvTimeoutError::Timeout) {
-            eprintln!("{name} {:.0} s", start.elapsed().as_secs_f64());
+            crate::process::tell(format_args!("{name} {:.0} s\n", start.elapsed().as_secs_f64()));
         }
     };
     Some((sender, std::thread::Builder::new().spawn(tell).ok()?))

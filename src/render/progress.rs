@@ -55,7 +55,7 @@ impl Progress {
             bar.set_position((fraction * STEPS as f64) as u64);
             bar.set_message(message);
         } else if due {
-            eprintln!("{message}");
+            crate::process::tell(format_args!("{message}\n"));
         }
     }
 

@@ -248,6 +248,21 @@ fn a_reader_that_goes_away_is_no_panic() {
     }
 }
 
+/// `octolux render … 2>&1 | head -1`: what is told of the work is lost, the image is not.
+#[test]
+fn an_image_is_written_though_nobody_reads_how_it_goes() {
+    let scratch = Scratch::new();
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let status = std::process::Command::new(assert_cmd::cargo::cargo_bin("octolux"))
+        .current_dir(scratch.folder.path())
+        .args(["render", "scene.toml", "--size", "8x8", "--spp", "4", "--explain", "-o", "a.exr"])
+        .stderr(writer)
+        .status()
+        .unwrap();
+    assert!(status.success() && scratch.folder.path().join("a.exr").is_file(), "{status}");
+}
+
 /// What a user may type for a number: refused with exit code 2 and one line of what is wrong, or taken.
 #[test]
 fn no_argument_panics() {

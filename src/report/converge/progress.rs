@@ -45,7 +45,7 @@ impl CellProgress {
             bar.set_message(message);
         } else if self.plain && self.last.is_none_or(|last| last.elapsed() >= LINE_EVERY) {
             self.last = Some(Instant::now());
-            eprintln!("{message}");
+            crate::process::tell(format_args!("{message}\n"));
         }
     }
 
@@ -59,7 +59,7 @@ impl CellProgress {
             bar.finish_and_clear();
         }
         if self.plain || self.bar.is_some() {
-            eprintln!("{} of {} cells finished", self.done, self.cells);
+            crate::process::tell(format_args!("{} of {} cells finished\n", self.done, self.cells));
         }
     }
 }

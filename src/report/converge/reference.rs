@@ -107,7 +107,9 @@ impl Reference {
         });
         if !(made && path.is_file()) {
             if loud {
-                eprintln!("reference: {REPLICATES} renders of {each} samples a pixel, with seeds of their own");
+                crate::process::tell(format_args!(
+                    "reference: {REPLICATES} renders of {each} samples a pixel, with seeds of their own\n"
+                ));
             }
             render_reference(variant, each, &path, loud)?;
         }
