@@ -16,6 +16,7 @@
 //! | [`film`] | f64 accumulation, variance, EXR and PNG |
 //! | [`render`] | budgets, passes, threads: scene in, film out |
 //! | [`own`] | a BSDF, light, sampler or integrand of a program's own |
+//! | [`student`] | the interval of a mean of few values |
 //! | [`report`] | comparison, benchmarks, error against run time; plots and pages |
 //! | [`estimate`] | the estimators on their own, and the weights of Bayesian Monte Carlo |
 //! | [`lane`] | the arithmetic under all of it: one source for widths 1, 8 and 16 |
@@ -49,5 +50,6 @@ mod renderer;
 pub mod report;
 pub mod sampling;
 pub mod scene;
+pub mod student;
 
 pub use renderer::{RenderError, Renderer};

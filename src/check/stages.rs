@@ -50,7 +50,7 @@ pub fn compare_stages(
     for y in (0..film.height).step_by(TILE as usize) {
         for x in (0..film.width).step_by(TILE as usize) {
             let (width, height) = (TILE.min(film.width - x), TILE.min(film.height - y));
-            let job = Job { x, y, width, height, first_sample: 0, samples, seed: expected.seed };
+            let job = Job { x, y, width, height, first_sample: 0, samples };
             let reference = record_tile(expected, &job, Width::One, None);
             for &lanes in widths {
                 let other = record_tile(found, &job, lanes, fault);

@@ -88,7 +88,8 @@ pub fn run() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("octolux: {}", printable(&error.to_string()));
+            // Told even where nobody listens: the exit code says it all the same.
+            crate::process::tell(format_args!("octolux: {}\n", printable(&error.to_string())));
             ExitCode::from(2)
         }
     }

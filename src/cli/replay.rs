@@ -61,10 +61,10 @@ pub fn run(args: &ReplayArgs) -> Result<bool, CliError> {
 
 /// The pixel, with those that share its paths.
 fn job_of(world: &World, x: u32, y: u32, first_sample: u32) -> Job {
-    let (film, seed) = (world.film, world.seed);
+    let film = world.film;
     let side = if world.plan.path_reuse { REUSE_SIDE } else { 1 };
     let (x, y) = (x / side * side, y / side * side);
-    Job { x, y, width: side.min(film.width - x), height: side.min(film.height - y), first_sample, samples: 1, seed }
+    Job { x, y, width: side.min(film.width - x), height: side.min(film.height - y), first_sample, samples: 1 }
 }
 
 /// The value and its bits; a primitive's number, not the float of the same bits.

@@ -25,8 +25,6 @@ pub struct Job {
     pub first_sample: u32,
     /// Samples a pixel in this job.
     pub samples: u32,
-    /// Of the camera paths' numbers: the world's.
-    pub seed: u64,
 }
 
 impl Job {
@@ -223,7 +221,7 @@ impl<'a, R: Real> CameraQueue<'a, R> {
             let slot = R::Bits::splat(self.slot) + R::Bits::from_fn(|lane| lane as u32);
             self.step(R::WIDTH as u32);
             return Some(Started {
-                rng: self.world.numbers_of_pixel(job.seed, pixel, sample),
+                rng: self.world.numbers_of_pixel(self.world.seed, pixel, sample),
                 x: R::splat(px as f32),
                 y: R::splat(py as f32),
                 slot,
@@ -244,7 +242,7 @@ impl<'a, R: Real> CameraQueue<'a, R> {
             let (px, py) = (job.x + self.column, job.y + self.row);
             let pixel = py * self.world.film.width + px;
             let sample = job.first_sample + self.sample;
-            self.world.seed_numbers(&mut rng, made, job.seed, pixel, sample);
+            self.world.seed_numbers(&mut rng, made, self.world.seed, pixel, sample);
             x.set_lane(made, px as f32);
             y.set_lane(made, py as f32);
             slot.set_lane(made, self.slot);

@@ -18,7 +18,7 @@ use super::splats::SplatSums;
 use crate::film::Film;
 use crate::kernel::{Counters, World};
 use crate::process::seconds_since_process_start;
-use crate::report::fit::{CONFIDENCE, student_quantile};
+use crate::student::{CONFIDENCE, student_quantile};
 use rayon::prelude::*;
 use std::fmt;
 use std::time::Instant;

@@ -4,7 +4,7 @@ use super::JobKernel;
 use super::adaptive::Rates;
 use super::interrupt;
 use super::splats::{SplatSums, Splats};
-use crate::film::{AovSample, TileFilm};
+use crate::film::{AovSample, Rect, TileFilm};
 use crate::kernel::{Counters, Job, LightKernel, SampleBuffer, World};
 use rayon::prelude::*;
 use std::cell::RefCell;
@@ -25,7 +25,7 @@ pub(super) struct Pass<'a> {
 
 thread_local! {
     /// A worker's sample slots, kept between jobs.
-    pub(super) static SLOTS: RefCell<SampleBuffer> = RefCell::new(SampleBuffer::default());
+    static SLOTS: RefCell<SampleBuffer> = RefCell::new(SampleBuffer::default());
 }
 
 impl Pass<'_> {
@@ -73,18 +73,7 @@ impl Pass<'_> {
         let mut first = first.max(tile.next_sample());
         while first < end && interrupt::presses() == 0 {
             let samples = at_once.min(end - first);
-            let job = Job {
-                x: rect.x,
-                y: rect.y,
-                width: rect.width,
-                height: rect.height,
-                first_sample: first as u32,
-                samples: samples as u32,
-                seed: self.world.seed,
-            };
-            SLOTS.with_borrow_mut(|slots| {
-                slots.reset(job.slots(), self.aovs);
-                (self.kernel)(self.world, &job, slots, &mut counters);
+            self.render_job(rect, [first, first + samples], &mut counters, |slots| {
                 if let Some(splats) = splats {
                     splats.add_to(rect, first, samples as usize, &mut slots.rgb);
                 }
@@ -94,6 +83,23 @@ impl Pass<'_> {
             first += samples;
         }
         counters
+    }
+
+    /// Renders samples `first … end` of a tile and hands over what they found.
+    pub fn render_job<T>(
+        &self,
+        rect: Rect,
+        [first, end]: [u64; 2],
+        counters: &mut Counters,
+        then: impl FnOnce(&mut SampleBuffer) -> T,
+    ) -> T {
+        let Rect { x, y, width, height } = rect;
+        let job = Job { x, y, width, height, first_sample: first as u32, samples: (end - first) as u32 };
+        SLOTS.with_borrow_mut(|slots| {
+            slots.reset(job.slots(), self.aovs);
+            (self.kernel)(self.world, &job, slots, counters);
+            then(slots)
+        })
     }
 }
 

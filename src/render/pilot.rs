@@ -1,10 +1,10 @@
 //! The pilot of [adaptive sampling](super::adaptive): the first samples of every pixel, and what they say of each tile.
 
 use super::interrupt;
-use super::pass::{Pass, SLOTS};
+use super::pass::Pass;
 use super::splats::SplatSums;
-use crate::film::{AovSample, Film, Rect, TileFilm};
-use crate::kernel::{Counters, Job};
+use crate::film::{AovSample, Film, TileFilm};
+use crate::kernel::Counters;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -75,12 +75,7 @@ fn explore(pass: &Pass, tile: &mut TileFilm, first: u64, end: u64, splats: Optio
         return (Findings::default(), counters);
     }
     let samples = (end - first) as usize;
-    let Rect { x, y, width, height } = tile.rect();
-    let (first_sample, seed) = (first as u32, pass.world.seed);
-    let job = Job { x, y, width, height, first_sample, samples: samples as u32, seed };
-    let mut found = SLOTS.with_borrow_mut(|slots| {
-        slots.reset(job.slots(), pass.aovs);
-        (pass.kernel)(pass.world, &job, slots, &mut counters);
+    let mut found = pass.render_job(tile.rect(), [first, end], &mut counters, |slots| {
         let found = Findings::of(tile, &slots.rgb, samples, (end / u64::from(GROUPS)) as usize, splats);
         let aovs: &[AovSample] = slots.features.as_deref().unwrap_or(&[]);
         tile.add_samples(first, samples, &slots.rgb, aovs);

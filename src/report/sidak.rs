@@ -1,6 +1,6 @@
 //! How large |z| may be among many independent tests.
 
-use super::fit::student_quantile;
+use crate::student::student_quantile;
 
 /// Family-wise probability of a false alarm that the house tests at.
 pub const FAMILY_WISE: f64 = 0.01;

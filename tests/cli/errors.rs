@@ -263,6 +263,19 @@ fn an_image_is_written_though_nobody_reads_how_it_goes() {
     assert!(status.success() && scratch.folder.path().join("a.exr").is_file(), "{status}");
 }
 
+/// `octolux render nothing.toml 2>&1 | head -0`: a script still sees that it failed.
+#[test]
+fn an_error_that_nobody_reads_is_still_one() {
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let status = std::process::Command::new(assert_cmd::cargo::cargo_bin("octolux"))
+        .args(["render", "there_is_no_such_scene.toml", "-o", "a.exr"])
+        .stderr(writer)
+        .status()
+        .unwrap();
+    assert_eq!(status.code(), Some(2), "{status}");
+}
+
 /// What a user may type for a number: refused with exit code 2 and one line of what is wrong, or taken.
 #[test]
 fn no_argument_panics() {

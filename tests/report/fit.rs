@@ -1,9 +1,8 @@
 //! Student's t, power laws and budgets against closed forms.
 
 use crate::stats::special::student_two_sided;
-use octolux::report::fit::{
-    Estimate, PowerLaw, budget_for, fit_power_law, mean_and_error, median, student_central, student_quantile,
-};
+use octolux::report::fit::{Estimate, PowerLaw, budget_for, fit_power_law, mean_and_error, median};
+use octolux::student::{student_central, student_quantile};
 
 /// y with a standard error too small to matter.
 fn sharp(y: f64) -> Estimate {

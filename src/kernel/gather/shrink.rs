@@ -123,7 +123,6 @@ fn pilot(world: &World) -> (Vec<Pilot>, u64) {
         height: 1,
         first_sample: 0,
         samples: 1,
-        seed: world.seed,
     };
     let looks: Vec<(Watch, u64)> = (0..PIXELS * PIXELS).into_par_iter().map(|i| watched(world, &job(i))).collect();
     let families = world.gather.as_ref().map_or(0, |tables| 1 + tables.lobes.len());

@@ -14,7 +14,7 @@ use crate::sampling::sample_key;
 /// Side of the blocks of pixels that share. Of 4, 16 and blocks of 16 by 4 none was better on all scenes; pixels further
 /// apart (every other one of a block twice as large) or blocks that move from sample to sample were worse on all.
 pub const REUSE_SIDE: u32 = 8;
-const PIXELS: usize = (REUSE_SIDE * REUSE_SIDE) as usize;
+pub(super) const PIXELS: usize = (REUSE_SIDE * REUSE_SIDE) as usize;
 
 /// Tells the keys of choices from those of paths.
 const SALT: u64 = 0x7265_7573_655f_6b65;
@@ -42,7 +42,7 @@ pub fn connect<R: Real, T: Traversal, S: Shade, P: Probe>(
                 let slot = |x: u32, y: u32| ((y - job.y) * job.width + x - job.x) * job.samples + sample;
                 slots.clear();
                 slots.extend(rows.clone().flat_map(|y| columns.clone().map(move |x| slot(x, y))));
-                let key = sample_key(job.seed ^ SALT, pixel, job.first_sample + sample);
+                let key = sample_key(world.seed ^ SALT, pixel, job.first_sample + sample);
                 group.begin(&slots, &out.shared);
                 finds::collect(&slots, &out.shared, &mut out.rgb, &mut group.finds);
                 let u = (key >> 40) as f64 * (1.0 / (1u32 << 24) as f64);

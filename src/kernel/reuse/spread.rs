@@ -1,8 +1,9 @@
 //! How much it matters to the pixels of a group which of the finds are chosen.
 
+use super::Shared;
 use super::connect::{Group, PARTS, in_parts};
 use super::finds::{Find, brightness, total_worth};
-use super::{REUSE_SIDE, Shared};
+use super::group::PIXELS;
 use crate::kernel::shade::Shade;
 use crate::kernel::world::World;
 use crate::lane::Real;
@@ -11,7 +12,6 @@ use crate::lane::Real;
 const PROBES: usize = 4;
 /// Every so many parts of the first vertices stand for all.
 const STRIDE: usize = 2;
-const PIXELS: usize = (REUSE_SIDE * REUSE_SIDE) as usize;
 
 /// Variance of what a pixel would be given by a single find that stands for all, chosen in proportion to its worth; on average over
 /// pixels. Neighbours on a Lambert surface see a find much alike, so that its worth says what it is to all of them, and few

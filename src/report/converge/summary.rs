@@ -5,7 +5,8 @@ use super::reference::{Noise, NoiseSource, Reference};
 use super::run::{Plan, Variant};
 use super::statistics::{LARGEST_TRUSTED_SHARE, Split};
 use crate::film::shares::LARGEST_TRUSTED_OF_ERROR;
-use crate::report::fit::{CONFIDENCE, Estimate, PowerLaw, Reached, budget_for, fit_power_law};
+use crate::report::fit::{Estimate, PowerLaw, Reached, budget_for, fit_power_law};
+use crate::student::CONFIDENCE;
 use serde::{Deserialize, Serialize};
 
 /// Version of the JSON's form; raised when a field changes its meaning or goes.
