@@ -233,9 +233,9 @@ pub fn compress16(v: f32x16, bits: u32) -> f32x16 {
         let lanes = v.to_array();
         let mut out = [0.0; 16];
         let mut count = 0;
-        for lane in 0..16 {
+        for (lane, &value) in lanes.iter().enumerate() {
             if bits >> lane & 1 != 0 {
-                out[count] = lanes[lane];
+                out[count] = value;
                 count += 1;
             }
         }
