@@ -29,12 +29,12 @@ fn frame() -> Scene {
 
 /// A kernel whose sample is a function of the column and a number in [0, 1) of its own.
 fn kernel(value: impl Fn(u32, f64) -> f32 + Sync) -> impl Fn(&World, &Job, &mut SampleBuffer, &mut Counters) + Sync {
-    move |_, job, out, counters| {
+    move |world, job, out, counters| {
         let mut slots = out.rgb.iter_mut();
         for y in job.y..job.y + job.height {
             for x in job.x..job.x + job.width {
                 for (sample, rgb) in (job.first_sample..job.first_sample + job.samples).zip(&mut slots) {
-                    let u = (sample_key(job.seed, y * SIDE + x, sample) >> 11) as f64 * f64::exp2(-53.0);
+                    let u = (sample_key(world.seed, y * SIDE + x, sample) >> 11) as f64 * f64::exp2(-53.0);
                     *rgb = [value(x, u); 3];
                     counters.camera_rays += 1;
                 }
@@ -164,12 +164,12 @@ fn dividing_samples_adds_no_bias() {
     assert!((mean - 1.0).abs() <= bound * error, "mean {mean} ± {error} for 1");
     // Were the tiles next to each other one, so that a tile in which the pilot found nothing had few samples and kept that mean,
     // it would be seen.
-    let together = |_: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
+    let together = |world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
         let mut slots = out.rgb.iter_mut();
         for (y, x) in (job.y..job.y + job.height).flat_map(|y| (job.x..job.x + job.width).map(move |x| (y, x))) {
             for (sample, rgb) in (job.first_sample..job.first_sample + job.samples).zip(&mut slots) {
                 let tiles = y / (2 * TILE) * SIDE + x / (2 * TILE);
-                let u = (sample_key(job.seed, tiles, sample) >> 11) as f64 * f64::exp2(-53.0);
+                let u = (sample_key(world.seed, tiles, sample) >> 11) as f64 * f64::exp2(-53.0);
                 *rgb = [rare_on_the_right(x, u); 3];
                 counters.camera_rays += 1;
             }
@@ -241,11 +241,11 @@ fn the_interval_of_the_bias_holds_as_often_as_it_says() {
 #[test]
 fn the_interval_of_the_bias_holds_where_pixels_share_their_errors() {
     const SEEDS: u64 = 60;
-    let blocks = |_: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
+    let blocks = |world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
         let mut slots = out.rgb.iter_mut();
         for (y, x) in (job.y..job.y + job.height).flat_map(|y| (job.x..job.x + job.width).map(move |x| (y, x))) {
             for (sample, rgb) in (job.first_sample..job.first_sample + job.samples).zip(&mut slots) {
-                let key = sample_key(job.seed, y / TILE * SIDE + x / TILE, sample);
+                let key = sample_key(world.seed, y / TILE * SIDE + x / TILE, sample);
                 *rgb = [2.0 * (key >> 40) as f32 / (1u32 << 24) as f32; 3];
                 counters.camera_rays += 1;
             }
