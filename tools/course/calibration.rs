@@ -4,8 +4,8 @@ use crate::renders::{film_with, prepare_with};
 use octolux::estimate::bmc::{Covariance, Points};
 use octolux::film::Film;
 use octolux::render;
-use octolux::report::fit::student_quantile;
 use octolux::scene::{Gather, GatherCovariance, GatherMethod, GatherWeights, IntegratorKind, Scene};
+use octolux::student::student_quantile;
 use std::error::Error;
 
 const NOMINAL: [f64; 3] = [0.5, 0.9, 0.95];
