@@ -1,12 +1,15 @@
-//! Texture files: PNG and JPEG through `image`, OpenEXR through the film's reader.
+//! Texture files: PNG and JPEG by their decoders, OpenEXR through the film's reader.
 
 use super::texture::{Image, Texels};
 use crate::film::exr_read;
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
 
 /// The most texels of a texture: 32,768 × 32,768.
 const MOST_TEXELS: u64 = 1 << 30;
@@ -51,34 +54,62 @@ fn read(path: &Path) -> Result<Image, String> {
 }
 
 fn decode(bytes: &[u8]) -> Result<Image, String> {
-    let broken = |error: image::ImageError| format!("is not a whole, valid image: {error}");
-    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
-    let mut reader = reader.map_err(|error| format!("cannot be read: {error}"))?;
-    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
-        return Err("is neither PNG, JPEG nor OpenEXR".to_owned());
+    match bytes {
+        [0x89, b'P', b'N', b'G', ..] => decode_png(bytes),
+        [0xff, 0xd8, 0xff, ..] => decode_jpeg(bytes),
+        _ => Err("is neither PNG, JPEG nor OpenEXR".to_owned()),
     }
-    // Memory is judged below, by what the file can hold.
-    reader.limits(Limits::no_limits());
-    let decoder = reader.into_decoder().map_err(broken)?;
-    let (width, height) = decoder.dimensions();
-    if u64::from(width) * u64::from(height) > MOST_TEXELS {
+}
+
+/// Palettes and fewer than eight bits become bytes, a transparent colour a channel.
+fn decode_png(bytes: &[u8]) -> Result<Image, String> {
+    // Memory is judged by what the file can hold.
+    let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: usize::MAX });
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let mut reader = decoder.read_info().map_err(broken)?;
+    let (width, height) = reader.info().size();
+    let (kind, depth) = reader.output_color_type();
+    let is_wide = depth == png::BitDepth::Sixteen;
+    check_size(bytes, width, height, kind.samples() * if is_wide { 2 } else { 1 })?;
+    let mut texels = vec![0; reader.output_buffer_size().ok_or("is larger than memory")?];
+    reader.next_frame(&mut texels).map_err(broken)?;
+    let texels = if is_wide {
+        Texels::Words(texels.as_chunks().0.iter().map(|&pair| u16::from_be_bytes(pair)).collect())
+    } else {
+        Texels::Bytes(texels)
+    };
+    Ok(Image { width, height, channels: kind.samples(), texels })
+}
+
+fn decode_jpeg(bytes: &[u8]) -> Result<Image, String> {
+    let any_size = DecoderOptions::default().set_max_width(usize::MAX).set_max_height(usize::MAX);
+    // As viewers do: what follows the image, or is missing of its end mark, matters to nobody.
+    let options = any_size.set_strict_mode(false);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    decoder.decode_headers().map_err(broken)?;
+    let size = decoder.dimensions().ok_or("has no size")?;
+    let (width, height) = (size.0 as u32, size.1 as u32);
+    let is_grey = decoder.input_colorspace() == Some(ColorSpace::Luma);
+    let (space, channels) = if is_grey { (ColorSpace::Luma, 1) } else { (ColorSpace::RGB, 3) };
+    decoder.set_options(options.jpeg_set_out_colorspace(space));
+    check_size(bytes, width, height, channels)?;
+    Ok(Image { width, height, channels, texels: Texels::Bytes(decoder.decode().map_err(broken)?) })
+}
+
+fn broken(error: impl std::fmt::Display) -> String {
+    format!("is not a whole, valid image: {error}")
+}
+
+/// Whether the file can hold so many texels of `bytes_each`.
+fn check_size(file: &[u8], width: u32, height: u32, bytes_each: usize) -> Result<(), String> {
+    let texels = u64::from(width) * u64::from(height);
+    if texels > MOST_TEXELS {
         return Err(format!("claims {width} x {height} texels; at most {MOST_TEXELS} are read"));
     }
-    if decoder.total_bytes() > ALWAYS_BELIEVED.max(bytes.len() as u64 * BEST_COMPRESSION) {
-        return Err(format!("claims {width} x {height} texels, but the file has only {} bytes", bytes.len()));
+    if texels * bytes_each as u64 > ALWAYS_BELIEVED.max(file.len() as u64 * BEST_COMPRESSION) {
+        return Err(format!("claims {width} x {height} texels, but the file has only {} bytes", file.len()));
     }
-    let (channels, texels) = match DynamicImage::from_decoder(decoder).map_err(broken)? {
-        DynamicImage::ImageLuma8(image) => (1, Texels::Bytes(image.into_raw())),
-        DynamicImage::ImageLumaA8(image) => (2, Texels::Bytes(image.into_raw())),
-        DynamicImage::ImageRgb8(image) => (3, Texels::Bytes(image.into_raw())),
-        DynamicImage::ImageRgba8(image) => (4, Texels::Bytes(image.into_raw())),
-        DynamicImage::ImageLuma16(image) => (1, Texels::Words(image.into_raw())),
-        DynamicImage::ImageLumaA16(image) => (2, Texels::Words(image.into_raw())),
-        DynamicImage::ImageRgb16(image) => (3, Texels::Words(image.into_raw())),
-        DynamicImage::ImageRgba16(image) => (4, Texels::Words(image.into_raw())),
-        other => return Err(format!("has texels of a kind that is not read ({:?})", other.color())),
-    };
-    Ok(Image { width, height, channels, texels })
+    Ok(())
 }
 
 fn decode_exr(bytes: &[u8]) -> Result<Image, String> {
