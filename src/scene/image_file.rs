@@ -14,9 +14,9 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 /// The most texels of a texture: 32,768 × 32,768.
 const MOST_TEXELS: u64 = 1 << 30;
 /// A header is believed up to this many bytes whatever the file's length, and beyond up to [`BEST_COMPRESSION`].
-const ALWAYS_BELIEVED: u64 = 1 << 24;
+const ALWAYS_BELIEVED: usize = 1 << 24;
 /// The most a file is believed to shrink by compression: deflate reaches 1,032:1.
-const BEST_COMPRESSION: u64 = 2048;
+const BEST_COMPRESSION: usize = 2048;
 
 /// Reads each file once, whoever asks.
 #[derive(Default)]
@@ -63,9 +63,12 @@ fn decode(bytes: &[u8]) -> Result<Image, String> {
 
 /// Palettes and fewer than eight bits become bytes, a transparent colour a channel.
 fn decode_png(bytes: &[u8]) -> Result<Image, String> {
-    // Memory is judged by what the file can hold.
-    let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: usize::MAX });
+    // Held to what the file can hold, or a header's claim of one long row would be believed before it is seen here.
+    let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: most_bytes(bytes) });
     decoder.set_transformations(png::Transformations::EXPAND);
+    // Nothing here uses them, and a few bytes may unpack to many.
+    decoder.set_ignore_iccp_chunk(true);
+    decoder.set_ignore_text_chunk(true);
     let mut reader = decoder.read_info().map_err(broken)?;
     let (width, height) = reader.info().size();
     let (kind, depth) = reader.output_color_type();
@@ -100,13 +103,18 @@ fn broken(error: impl std::fmt::Display) -> String {
     format!("is not a whole, valid image: {error}")
 }
 
+/// What a file is believed to unpack to.
+fn most_bytes(file: &[u8]) -> usize {
+    ALWAYS_BELIEVED.max(file.len().saturating_mul(BEST_COMPRESSION))
+}
+
 /// Whether the file can hold so many texels of `bytes_each`.
 fn check_size(file: &[u8], width: u32, height: u32, bytes_each: usize) -> Result<(), String> {
     let texels = u64::from(width) * u64::from(height);
     if texels > MOST_TEXELS {
         return Err(format!("claims {width} x {height} texels; at most {MOST_TEXELS} are read"));
     }
-    if texels * bytes_each as u64 > ALWAYS_BELIEVED.max(file.len() as u64 * BEST_COMPRESSION) {
+    if texels * bytes_each as u64 > most_bytes(file) as u64 {
         return Err(format!("claims {width} x {height} texels, but the file has only {} bytes", file.len()));
     }
     Ok(())

@@ -56,6 +56,57 @@ fn what_is_read() {
     assert_eq!((image.width, image.height, image.channels), (16, 8, 3));
 }
 
+/// Sixteen bits stay sixteen, in the order of this machine; a grey photo has one channel.
+#[test]
+fn words_and_grey_photos() {
+    let words: Vec<u16> = (0..18).map(|i| 0x0102 + 0x0301 * i).collect();
+    let mut file = Vec::new();
+    let raw: Vec<u8> = words.iter().flat_map(|word| word.to_ne_bytes()).collect();
+    image::codecs::png::PngEncoder::new(&mut file).write_image(&raw, 3, 2, ExtendedColorType::Rgb16).expect("words");
+    let scene = load("map_Kd t.png", "t.png", &file).unwrap_or_else(|error| panic!("{error}"));
+    let image = &scene.materials[0].maps.colour.as_ref().expect("a texture").image;
+    assert!(matches!(&image.texels, Texels::Words(found) if *found == words) && image.channels == 3);
+
+    let mut file = Vec::new();
+    image::codecs::jpeg::JpegEncoder::new(&mut file).write_image(&[90; 64], 8, 8, ExtendedColorType::L8).expect("grey");
+    let scene = load("map_Kd t.jpg", "t.jpg", &file).unwrap_or_else(|error| panic!("{error}"));
+    let image = &scene.materials[0].maps.colour.as_ref().expect("a texture").image;
+    let is_grey = matches!(&image.texels, Texels::Bytes(b) if b.len() == 64 && b.iter().all(|&b| b.abs_diff(90) < 4));
+    assert!(is_grey && image.channels == 1);
+}
+
+/// Entries of a palette are looked up, and one of them may be transparent; two bits a texel fill a byte's range.
+#[test]
+fn palettes_and_few_bits() {
+    let file = |kind, bits, transparent: &[u8], rows: &[u8]| {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 4, 1);
+        encoder.set_color(kind);
+        encoder.set_depth(bits);
+        if kind == png::ColorType::Indexed {
+            encoder.set_palette(vec![9, 8, 7, 60, 50, 40, 255, 0, 1]);
+        }
+        if !transparent.is_empty() {
+            encoder.set_trns(transparent.to_vec());
+        }
+        encoder.write_header().and_then(|mut writer| writer.write_image_data(rows)).expect("an image in memory");
+        bytes
+    };
+    use png::{BitDepth::Two, ColorType::Grayscale, ColorType::Indexed};
+    let rgb = [255, 0, 1, 60, 50, 40, 9, 8, 7, 9, 8, 7];
+    let rgba = [255, 0, 1, 255, 60, 50, 40, 128, 9, 8, 7, 0, 9, 8, 7, 0];
+    for (bytes, expected) in [
+        (file(Indexed, Two, &[], &[0b10_01_00_00]), &rgb[..]),
+        (file(Indexed, Two, &[0, 128], &[0b10_01_00_00]), &rgba),
+        (file(Grayscale, Two, &[], &[0b11_10_01_00]), &[255, 170, 85, 0]),
+    ] {
+        let scene = load("map_Kd t.png", "t.png", &bytes).unwrap_or_else(|error| panic!("{error}"));
+        let image = &scene.materials[0].maps.colour.as_ref().expect("a texture").image;
+        assert!(matches!(&image.texels, Texels::Bytes(found) if found == expected), "{:?}", image.texels);
+        assert_eq!(image.channels * 4, expected.len());
+    }
+}
+
 /// Alpha of an image that has one is its opacity; the file is read once for both uses, and numbers are not decoded.
 #[test]
 fn one_file_for_colour_and_opacity() {
