@@ -88,7 +88,7 @@ pub fn run() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(error) => {
-            // Told even where nobody listens: the exit code says it all the same.
+            // `eprintln!` would panic where nobody listens, and a script be given another exit code.
             crate::process::tell(format_args!("octolux: {}\n", printable(&error.to_string())));
             ExitCode::from(2)
         }
