@@ -1,5 +1,7 @@
 //! Packets that go the same way, through the tree as one (Overbeck, Ramamoorthi, Mark 2008, "Large Ray Packets for
-//! Real-time Whitted Ray Tracing"): what is bounded for all of their rays at once costs no more than for one packet's.
+//! Real-time Whitted Ray Tracing"): what is bounded for all of their rays at once costs no more than for one packet's. Of a
+//! far tree's small triangles each packet meets others: there each goes on its own, a step in turn, so that what one needs
+//! next comes from memory while the others move.
 
 use super::block::{TriangleBlock, better};
 use super::interval::Interval;
@@ -13,8 +15,8 @@ use crate::lane::array::{from_fn, map};
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real, axes};
 use std::cell::RefCell;
 
-/// Packets that go together at most.
-pub const PACKETS: usize = 2;
+/// Packets that go together, or side by side, at most. Found by measuring, with 2.
+pub const PACKETS: usize = 4;
 
 /// Triangles of a block times packets.
 const CANDIDATES: usize = 8 * PACKETS;
@@ -22,10 +24,14 @@ const CANDIDATES: usize = 8 * PACKETS;
 /// What a walk works on: kept from one to the next because it would take longer to clear than to use.
 #[repr(C, align(64))]
 struct Scratch {
-    /// Children still to visit.
+    stacks: [Stack; PACKETS],
+    candidates: Candidates,
+}
+
+/// Children still to visit.
+struct Stack {
     t_near: [f32; STACK],
     child: [u32; STACK],
-    candidates: Candidates,
 }
 
 /// Triangles of a block that some lanes of a packet pass between the edges of.
@@ -43,8 +49,7 @@ struct Candidates {
 thread_local! {
     static SCRATCH: RefCell<Scratch> = const {
         RefCell::new(Scratch {
-            t_near: [0.0; STACK],
-            child: [0; STACK],
+            stacks: [const { Stack { t_near: [0.0; STACK], child: [0; STACK] } }; PACKETS],
             candidates: Candidates {
                 values: [[[0.0; MAX_WIDTH]; 3]; CANDIDATES],
                 lanes: [0; CANDIDATES],
@@ -66,6 +71,7 @@ struct Best<R: Real> {
 }
 
 /// `N` packets that go into one octant, along the same longest axis.
+#[derive(Clone, Copy)]
 pub struct Group<'a, R: Real, const N: usize> {
     setups: &'a [RaySetup<R>; N],
     active: [R::Mask; N],
@@ -104,51 +110,58 @@ impl<'a, R: Real, const N: usize> Group<'a, R, N> {
     /// The closest hits; of lanes that are not active a miss at 0.
     #[inline(always)]
     pub fn closest(&self, tree: &Tree<TriangleBlock>, t_max: [R; N]) -> [Hit<R>; N] {
-        let miss = Best { t: R::zero(), primitive: R::Bits::splat(MISS), weights: [R::zero(); 2], sum: R::one() };
-        // Nothing is nearer than 0.
-        let mut best: [Best<R>; N] = from_fn(|p| Best { t: t_max[p].masked(self.active[p]), ..miss });
-        SCRATCH.with_borrow_mut(|scratch| self.walk(tree, scratch, &mut best));
-        map(best, |best| {
-            let (u, v) = Edges::normalised(best.weights, best.sum);
-            Hit { t: best.t, primitive: best.primitive, u, v }
+        SCRATCH.with_borrow_mut(|Scratch { stacks: [stack, ..], candidates }| {
+            let mut best = self.misses(t_max);
+            let mut t_best = farthest(&best);
+            let mut len = stack.begin(tree.root);
+            while let Some(last) = len.checked_sub(1) {
+                len = self.visit(tree, stack, last, candidates, &mut best, &mut t_best);
+            }
+            map(best, Best::hit)
         })
     }
 
+    #[inline(always)]
+    fn misses(&self, t_max: [R; N]) -> [Best<R>; N] {
+        // Nothing is nearer than 0.
+        from_fn(|p| Best::miss(t_max[p].masked(self.active[p])))
+    }
+
+    /// Visits the child at `at`, the last on the stack; how many are on it then.
+    ///
     /// By the bounds of the group alone: of rays so close nearly all enter what their bounds enter, and a test of each lane
     /// costs more than it spares.
     #[inline(always)]
-    fn walk(&self, tree: &Tree<TriangleBlock>, scratch: &mut Scratch, best: &mut [Best<R>; N]) {
-        let Scratch { t_near: t_nears, child: children, candidates } = scratch;
-        let mut t_best = farthest(best);
-        (t_nears[0], children[0]) = (0.0, tree.root.0);
-        let mut len = usize::from(tree.root != Child::NONE);
-        while let Some(last) = len.checked_sub(1) {
-            len = last;
-            let child = Child(children[len]);
-            if t_nears[len] > t_best {
-                continue;
-            }
-            if child.is_leaf() {
-                let block = &tree.blocks[child.index()];
-                let count = self.find(block, candidates, t_best);
-                if count > 0 {
-                    self.meet(block, candidates, count, best);
-                    t_best = farthest(best);
-                }
-            } else {
-                let (bits, t_near, words) = self.interval.children(&tree.nodes[child.index()], t_best);
-                t_near.compress(bits).store(&mut t_nears[len..]);
-                <R::Eight as Real>::from_bits(words).compress(bits).to_bits().store(&mut children[len..]);
-                let first = len;
-                len += bits.count_ones() as usize;
-                if tree.far {
-                    // What comes after the nearest child, which is next.
-                    for word in &children[first..len.max(first + 1) - 1] {
-                        tree.prefetch(Child(*word));
-                    }
-                }
-            }
+    fn visit(
+        &self,
+        tree: &Tree<TriangleBlock>,
+        stack: &mut Stack,
+        at: usize,
+        candidates: &mut Candidates,
+        best: &mut [Best<R>; N],
+        t_best: &mut f32,
+    ) -> usize {
+        let child = Child(stack.child[at]);
+        if stack.t_near[at] > *t_best {
+            return at;
         }
+        if child.is_leaf() {
+            let block = &tree.blocks[child.index()];
+            let count = self.find(block, candidates, *t_best);
+            if count > 0 {
+                self.meet(block, candidates, count, best);
+                *t_best = farthest(best);
+            }
+            return at;
+        }
+        let (bits, t_near, words) = self.interval.children(&tree.nodes[child.index()], *t_best);
+        t_near.compress(bits).store(&mut stack.t_near[at..]);
+        <R::Eight as Real>::from_bits(words).compress(bits).to_bits().store(&mut stack.child[at..]);
+        let len = at + bits.count_ones() as usize;
+        if tree.far {
+            stack.child[at..len].iter().for_each(|word| tree.prefetch(Child(*word)));
+        }
+        len
     }
 
     /// Lists the block's triangles that some packet passes between the edges of; how many.
@@ -224,7 +237,49 @@ impl<'a, R: Real, const N: usize> Group<'a, R, N> {
     }
 }
 
+/// The closest hits of packets that have a group each, a step of each in turn; those of others are misses.
+#[inline(always)]
+pub fn side_by_side<R: Real, const N: usize>(
+    groups: &[Option<Group<R, 1>>; N],
+    tree: &Tree<TriangleBlock>,
+    t_max: [R; N],
+) -> [Hit<R>; N] {
+    SCRATCH.with_borrow_mut(|Scratch { stacks, candidates }| {
+        let mut best: [[Best<R>; 1]; N] = from_fn(|p| groups[p].as_ref().map_or([Best::miss(R::zero())], |group| group.misses([t_max[p]])));
+        let mut t_best: [f32; N] = from_fn(|p| farthest(&best[p]));
+        let mut len: [usize; N] = from_fn(|p| if groups[p].is_some() { stacks[p].begin(tree.root) } else { 0 });
+        while len != [0; N] {
+            for (p, group) in groups.iter().enumerate() {
+                if let (Some(group), Some(last)) = (group, len[p].checked_sub(1)) {
+                    len[p] = group.visit(tree, &mut stacks[p], last, candidates, &mut best[p], &mut t_best[p]);
+                }
+            }
+        }
+        from_fn(|p| best[p][0].hit())
+    })
+}
+
+impl Stack {
+    /// With the root alone on it, if there is one: how many are.
+    #[inline(always)]
+    fn begin(&mut self, root: Child) -> usize {
+        (self.t_near[0], self.child[0]) = (0.0, root.0);
+        usize::from(root != Child::NONE)
+    }
+}
+
 impl<R: Real> Best<R> {
+    #[inline(always)]
+    fn miss(t: R) -> Self {
+        Self { t, primitive: R::Bits::splat(MISS), weights: [R::zero(); 2], sum: R::one() }
+    }
+
+    #[inline(always)]
+    fn hit(self) -> Hit<R> {
+        let (u, v) = Edges::normalised(self.weights, self.sum);
+        Hit { t: self.t, primitive: self.primitive, u, v }
+    }
+
     /// Takes the lanes of `hits` that are nearer, or as near and of a lower primitive.
     #[inline(always)]
     fn keep(&mut self, hits: R::Mask, found: Self) {

@@ -9,6 +9,7 @@ use crate::lane::{Bits, Real, axes};
 ///
 /// Every lane's distance to a plane is fl(fl(plane − o)·inverse) with o and inverse between the bounds here; rounding is
 /// monotone, so the extremes over the four corners bound it as computed: a child this drops no lane enters.
+#[derive(Clone, Copy)]
 pub struct Interval<E: Real> {
     /// The origin bound that makes planes near early and planes far late.
     near_origin: [E; 3],

@@ -1,6 +1,6 @@
 //! All lanes together through the tree.
 
-use super::group::{Group, PACKETS};
+use super::group::{Group, PACKETS, side_by_side};
 use super::interval::Interval;
 use super::node::{Child, Node};
 use super::tree::{Block, PacketRay, STACK, Tree};
@@ -150,6 +150,29 @@ fn closest_together<R: Real, const N: usize>(
     }
 }
 
+/// The closest hits of packets, which go through the tree of triangles side by side.
+#[inline(never)]
+fn closest_side_by_side<R: Real, const N: usize>(
+    accel: &Accel,
+    rays: &[Ray<R>; N],
+    active: &[R::Mask; N],
+    hits: &mut [Hit<R>; N],
+) {
+    let setups: [RaySetup<R>; N] = from_fn(|p| RaySetup::new(&rays[p]));
+    let active: [R::Mask; N] = from_fn(|p| active[p] & rays[p].usable());
+    let groups: [Option<Group<R, 1>>; N] = from_fn(|p| Group::new(from_ref(&setups[p]), [active[p]]));
+    let found = side_by_side(&groups, &accel.triangle_tree, from_fn(|p| rays[p].t_max));
+    for p in 0..N {
+        let ray = PacketRay::new(&setups[p], active[p]);
+        hits[p] = Hit::miss(rays[p].t_max);
+        hits[p].replace(active[p], found[p]);
+        if groups[p].is_none() {
+            closest(&accel.triangle_tree, &ray, active[p], &mut hits[p]);
+        }
+        closest(&accel.sphere_tree, &ray, active[p], &mut hits[p]);
+    }
+}
+
 /// The lanes of `open` that hit nothing of a tree before `t_max`.
 #[inline(always)]
 fn unhidden<B: Block, R: Real>(tree: &Tree<B>, ray: &PacketRay<R>, t_max: R, mut open: R::Mask) -> R::Mask {
@@ -178,14 +201,17 @@ impl Mode for Packet {
         if R::WIDTH == 1 {
             return Single::closest_many(accel, rays, active, hits);
         }
-        // Of a large tree's small triangles each packet meets others.
-        let packets = if accel.triangle_tree.far { 0 } else { rays.len() / PACKETS * PACKETS };
+        let packets = rays.len() / PACKETS * PACKETS;
         let (rays, rays_left) = rays.split_at(packets);
         let (active, active_left) = active.split_at(packets);
         let (hits, hits_left) = hits.split_at_mut(packets);
         let groups = rays.as_chunks::<PACKETS>().0.iter().zip(active.as_chunks::<PACKETS>().0);
         for ((rays, active), hits) in groups.zip(hits.as_chunks_mut::<PACKETS>().0) {
-            closest_together(accel, rays, active, hits);
+            if accel.triangle_tree.far {
+                closest_side_by_side(accel, rays, active, hits);
+            } else {
+                closest_together(accel, rays, active, hits);
+            }
         }
         for ((rays, active), hits) in rays_left.iter().zip(active_left).zip(hits_left) {
             closest_together(accel, from_ref(rays), from_ref(active), from_mut(hits));

@@ -58,8 +58,8 @@ impl ImageMap {
     /// `None` where the image is black.
     pub(super) fn build(image: &EnvironmentImage, samples: SkySamples) -> Option<Self> {
         let shape = Shape { width: image.width, height: image.height };
-        let mean = |t: &[f32; 3]| t.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
-        let largest = image.texels.par_iter().map(mean).reduce(|| 0.0, f64::max);
+        let rows = image.texels.par_chunks_exact(image.width);
+        let largest = rows.map(|row| over_means(row, |mean| mean, f64::max)).reduce(|| 0.0, f64::max);
         if largest <= 0.0 {
             return None;
         }
@@ -192,17 +192,34 @@ impl ImageMap {
 
 /// The mean radiance over the sphere, the texels weighed by their rows' sin θ: 0 where too little lies above it.
 fn floor(image: &EnvironmentImage, sin_theta: impl Fn(usize) -> f64 + Sync) -> f32 {
-    let mean = |t: &[f32; 3]| t.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
-    // In the order of the rows, whatever the threads.
-    let over_rows = |of_texel: &(dyn Fn(f64) -> f64 + Sync)| {
-        let rows = image.texels.par_chunks_exact(image.width).enumerate();
-        let sums = rows.map(|(j, row)| sin_theta(j) * row.iter().map(|t| of_texel(mean(t))).sum::<f64>());
-        sums.collect::<Vec<_>>().into_iter().sum::<f64>()
-    };
-    let (total, area) = (over_rows(&|l| l), over_rows(&|_| 1.0));
+    let total = over_rows(image, &sin_theta, |mean| mean);
+    let area = image.width as f64 * (0..image.height).map(&sin_theta).sum::<f64>();
     let floor = (total / area) as f32;
-    let excess = over_rows(&|l| (l - f64::from(floor)).max(0.0));
+    let excess = over_rows(image, &sin_theta, |mean| (mean - f64::from(floor)).max(0.0));
     if excess > LEAST_EXCESS * total { floor } else { 0.0 }
+}
+
+/// The sum of `of` each texel's mean, times its row's sin θ: in the order of the rows, whatever the threads.
+fn over_rows(
+    image: &EnvironmentImage,
+    sin_theta: &(impl Fn(usize) -> f64 + Sync),
+    of: impl Fn(f64) -> f64 + Sync,
+) -> f64 {
+    let rows = image.texels.par_chunks_exact(image.width).enumerate();
+    let sums = rows.map(|(j, row)| sin_theta(j) * over_means(row, &of, |a, b| a + b));
+    sums.collect::<Vec<_>>().into_iter().sum()
+}
+
+/// `join`s `of` each texel's mean to 0: eight beside each other, then what these came to.
+fn over_means(row: &[[f32; 3]], of: impl Fn(f64) -> f64, join: impl Fn(f64, f64) -> f64) -> f64 {
+    let (eights, rest) = row.as_chunks::<8>();
+    let mut partial = [0.0; 8];
+    for texels in eights.iter().map(|eight| &eight[..]).chain([rest]) {
+        for (partial, [r, g, b]) in partial.iter_mut().zip(texels) {
+            *partial = join(*partial, of((f64::from(*r) + f64::from(*g) + f64::from(*b)) / 3.0));
+        }
+    }
+    partial.into_iter().fold(0.0, join)
 }
 
 /// The sum of the channels less three times `floor`, times `row`, in a form that does not overflow where the products do not.

@@ -24,9 +24,32 @@ pub(super) fn read(file: &Path, scale: [f32; 3]) -> Result<EnvironmentImage, Sce
         let message = format!("has {width} x {height} texels; at most {MOST_TEXELS} are read");
         return Err(SceneError::whole(file, message, "give a smaller image"));
     }
-    let [r, g, b] = image.rgb();
-    let texels = r.iter().zip(g).zip(b).map(|((&r, &g), &b)| [r, g, b]).collect();
-    scaled(EnvironmentImage { width, height, texels, rotation: 0.0 }, scale, file)
+    let mut texels = Vec::with_capacity(width * height);
+    for row in 0..height {
+        let planes = image.rgb().map(|plane| &plane[row * width..][..width]);
+        let texel = |column: usize| core::array::from_fn(|k| planes[k][column] * scale[k]);
+        texels.extend((0..width).map(texel));
+        let scaled = texels[row * width..].as_flattened();
+        if !(planes.into_iter().all(holds_radiance) && holds_radiance(scaled)) {
+            let unsound = |i: &usize| {
+                let written = planes.map(|plane| plane[*i]);
+                !(holds_radiance(&written) && holds_radiance(&scaled[3 * i..][..3]))
+            };
+            let column = (0..width).find(unsound).unwrap_or_default();
+            let written = planes.map(|plane| plane[column]);
+            return Err(SceneError::whole(
+                file,
+                format!("texel at column {column}, row {row} is {written:?}: radiance is finite and >= 0"),
+                "mend the image, or lower `radiance` if scaling overflows",
+            ));
+        }
+    }
+    Ok(EnvironmentImage { width, height, texels, rotation: 0.0 })
+}
+
+/// Are all finite and ≥ 0? Without a branch, so that a register of values is looked at at once.
+fn holds_radiance(channels: &[f32]) -> bool {
+    channels.iter().fold(true, |all, c| all & c.is_finite() & (*c >= 0.0))
 }
 
 impl EnvironmentImage {
@@ -37,23 +60,4 @@ impl EnvironmentImage {
     pub fn load(file: &Path) -> Result<Self, SceneError> {
         read(file, [1.0; 3])
     }
-}
-
-fn scaled(mut image: EnvironmentImage, scale: [f32; 3], file: &Path) -> Result<EnvironmentImage, SceneError> {
-    for (i, texel) in image.texels.iter_mut().enumerate() {
-        let written = *texel;
-        for (channel, factor) in texel.iter_mut().zip(scale) {
-            *channel *= factor;
-        }
-        let is_radiance = |c: &f32| c.is_finite() && *c >= 0.0;
-        if !(written.iter().all(is_radiance) && texel.iter().all(is_radiance)) {
-            let (column, row) = (i % image.width, i / image.width);
-            return Err(SceneError::whole(
-                file,
-                format!("texel at column {column}, row {row} is {written:?}: radiance is finite and >= 0"),
-                "mend the image, or lower `radiance` if scaling overflows",
-            ));
-        }
-    }
-    Ok(image)
 }
