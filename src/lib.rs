@@ -38,6 +38,8 @@ pub mod estimate;
 pub mod film;
 #[allow(missing_docs)] // under the kernel: public for tests and benchmarks
 pub mod geometry;
+#[doc(hidden)]
+pub mod huge_pages;
 pub mod kernel;
 pub mod lane;
 pub mod light;

@@ -1,6 +1,10 @@
 //! The `octolux` command: arguments in, one library call, exit code out.
 
+use octolux::huge_pages::HugePages;
 use std::process::ExitCode;
+
+#[global_allocator]
+static ALLOCATOR: HugePages = HugePages;
 
 fn main() -> ExitCode {
     // Before anything that may hold vector instructions.

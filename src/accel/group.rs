@@ -237,7 +237,7 @@ impl<'a, R: Real, const N: usize> Group<'a, R, N> {
     }
 }
 
-/// The closest hits of packets that have a group each, a step of each in turn; those of others are misses.
+/// The closest hits of packets that have a group each, a step of each in turn; of the others something.
 #[inline(always)]
 pub fn side_by_side<R: Real, const N: usize>(
     groups: &[Option<Group<R, 1>>; N],
@@ -245,7 +245,8 @@ pub fn side_by_side<R: Real, const N: usize>(
     t_max: [R; N],
 ) -> [Hit<R>; N] {
     SCRATCH.with_borrow_mut(|Scratch { stacks, candidates }| {
-        let mut best: [[Best<R>; 1]; N] = from_fn(|p| groups[p].as_ref().map_or([Best::miss(R::zero())], |group| group.misses([t_max[p]])));
+        let mut best: [[Best<R>; 1]; N] =
+            from_fn(|p| groups[p].as_ref().map_or([Best::miss(R::zero())], |group| group.misses([t_max[p]])));
         let mut t_best: [f32; N] = from_fn(|p| farthest(&best[p]));
         let mut len: [usize; N] = from_fn(|p| if groups[p].is_some() { stacks[p].begin(tree.root) } else { 0 });
         while len != [0; N] {

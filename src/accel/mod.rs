@@ -136,6 +136,13 @@ impl Accel {
         accel
     }
 
+    /// The same, walked as trees that are too large for caches are, however small: for tests of that.
+    #[doc(hidden)]
+    pub fn walked_as_far(mut self) -> Self {
+        (self.triangle_tree.far, self.sphere_tree.far) = (true, true);
+        self
+    }
+
     /// What was built, how large and how long it took.
     pub fn report(&self) -> &BuildReport {
         &self.report

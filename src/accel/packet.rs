@@ -165,9 +165,9 @@ fn closest_side_by_side<R: Real, const N: usize>(
     for p in 0..N {
         let ray = PacketRay::new(&setups[p], active[p]);
         hits[p] = Hit::miss(rays[p].t_max);
-        hits[p].replace(active[p], found[p]);
-        if groups[p].is_none() {
-            closest(&accel.triangle_tree, &ray, active[p], &mut hits[p]);
+        match groups[p] {
+            Some(_) => hits[p].replace(active[p], found[p]),
+            None => closest(&accel.triangle_tree, &ray, active[p], &mut hits[p]),
         }
         closest(&accel.sphere_tree, &ray, active[p], &mut hits[p]);
     }

@@ -44,9 +44,10 @@ fn modes_widths_and_trees_agree() {
         [(1, 0, 0.5), (7, 3, 0.5), (9, 1, 0.4), (60, 20, 0.2), (700, 0, 0.1), (1500, 40, 0.05), (6000, 0, 0.03)]
     {
         let shapes = Shapes::random(triangles, spheres, size, &mut rng);
-        let accels = presets(&shapes);
+        let [fast, medium, best] = presets(&shapes);
+        let accels = [&fast, &medium, &best, &medium.clone().walked_as_far()];
         let rays = random_rays(4096, &mut rng);
-        let found = ask_all(&accels.each_ref(), &rays);
+        let found = ask_all(&accels, &rays);
         let hits = found.iter().filter(|(hit, _)| hit.1 != MISS).count();
         assert!(hits > 20, "{hits} of {} rays hit {triangles} triangles: the test would see nothing", rays.len());
     }
@@ -156,7 +157,8 @@ fn packets_that_go_together() {
             rays.push(OneRay { o, d, t_max });
         }
     }
-    let hits = ask_all(&[&accel], &rays).iter().filter(|(hit, _)| hit.1 != MISS).count();
+    let far = accel.clone().walked_as_far();
+    let hits = ask_all(&[&accel, &far], &rays).iter().filter(|(hit, _)| hit.1 != MISS).count();
     assert!(
         hits * 3 > rays.len() && hits < rays.len() - 200,
         "{hits} of {} hit: the test would see little",

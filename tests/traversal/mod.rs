@@ -3,6 +3,7 @@
 mod adversarial;
 mod bench_rays;
 mod equivalence;
+mod huge_pages;
 mod reference;
 mod rows;
 mod spawn;
