@@ -1,7 +1,7 @@
 //! Packets that go the same way, through the tree as one (Overbeck, Ramamoorthi, Mark 2008, "Large Ray Packets for
 //! Real-time Whitted Ray Tracing"): what is bounded for all of their rays at once costs no more than for one packet's. Of a
-//! far tree's small triangles each packet meets others: there each goes on its own, a step in turn, so that what one needs
-//! next comes from memory while the others move.
+//! far tree's small triangles each packet meets others: there each goes on its own, and where the tree lies in memory, a step
+//! in turn, so that what one needs next is fetched while the others move.
 
 use super::block::{TriangleBlock, better};
 use super::interval::Interval;
@@ -159,7 +159,9 @@ impl<'a, R: Real, const N: usize> Group<'a, R, N> {
         <R::Eight as Real>::from_bits(words).compress(bits).to_bits().store(&mut stack.child[at..]);
         let len = at + bits.count_ones() as usize;
         if tree.far {
-            stack.child[at..len].iter().for_each(|word| tree.prefetch(Child(*word)));
+            // The nearest child is next, unless other packets come first.
+            let end = if tree.in_memory { len } else { len.max(at + 1) - 1 };
+            stack.child[at..end].iter().for_each(|word| tree.prefetch(Child(*word)));
         }
         len
     }

@@ -201,13 +201,15 @@ impl Mode for Packet {
         if R::WIDTH == 1 {
             return Single::closest_many(accel, rays, active, hits);
         }
-        let packets = rays.len() / PACKETS * PACKETS;
+        // Of a far tree's small triangles each packet meets others.
+        let tree = &accel.triangle_tree;
+        let packets = if tree.far && !tree.in_memory { 0 } else { rays.len() / PACKETS * PACKETS };
         let (rays, rays_left) = rays.split_at(packets);
         let (active, active_left) = active.split_at(packets);
         let (hits, hits_left) = hits.split_at_mut(packets);
         let groups = rays.as_chunks::<PACKETS>().0.iter().zip(active.as_chunks::<PACKETS>().0);
         for ((rays, active), hits) in groups.zip(hits.as_chunks_mut::<PACKETS>().0) {
-            if accel.triangle_tree.far {
+            if tree.in_memory {
                 closest_side_by_side(accel, rays, active, hits);
             } else {
                 closest_together(accel, rays, active, hits);

@@ -45,7 +45,8 @@ fn modes_widths_and_trees_agree() {
     {
         let shapes = Shapes::random(triangles, spheres, size, &mut rng);
         let [fast, medium, best] = presets(&shapes);
-        let accels = [&fast, &medium, &best, &medium.clone().walked_as_far()];
+        let [far, in_memory] = [false, true].map(|in_memory| medium.clone().walked_as_far(in_memory));
+        let accels = [&fast, &medium, &best, &far, &in_memory];
         let rays = random_rays(4096, &mut rng);
         let found = ask_all(&accels, &rays);
         let hits = found.iter().filter(|(hit, _)| hit.1 != MISS).count();
@@ -157,8 +158,8 @@ fn packets_that_go_together() {
             rays.push(OneRay { o, d, t_max });
         }
     }
-    let far = accel.clone().walked_as_far();
-    let hits = ask_all(&[&accel, &far], &rays).iter().filter(|(hit, _)| hit.1 != MISS).count();
+    let [far, in_memory] = [false, true].map(|in_memory| accel.clone().walked_as_far(in_memory));
+    let hits = ask_all(&[&accel, &far, &in_memory], &rays).iter().filter(|(hit, _)| hit.1 != MISS).count();
     assert!(
         hits * 3 > rays.len() && hits < rays.len() - 200,
         "{hits} of {} hit: the test would see little",
