@@ -2,7 +2,8 @@
 
 use super::alias::MAX_ENTRIES;
 use super::by_power::ByPower;
-use super::grid::{ChoiceGrid, Lamp, Receivers};
+use super::expected::Lamp;
+use super::grid::{ChoiceGrid, Receivers};
 use super::inversion::Choice;
 use super::reach::Reach;
 use super::sample::LightPoint;

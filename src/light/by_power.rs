@@ -31,10 +31,11 @@ impl ByPower {
         let strongest = powers.iter().copied().fold(0.0, f64::max);
         let relative: Vec<f32> = powers.iter().map(|power| (power / strongest) as f32).collect();
         let mut inversion = Inversion::new(1, powers.len());
-        let mut probability = vec![0.0; powers.len()];
-        inversion.tables().iter_mut().for_each(|table| {
-            table.fill(&relative, &mut probability);
-        });
+        let mut probability = Vec::new();
+        for table in &mut inversion.tables() {
+            table.fill(&relative);
+            probability.extend(table.probability());
+        }
         (Self::InARow(inversion), probability)
     }
 

@@ -70,10 +70,11 @@ impl Density {
         let heaviest = line_mass.iter().fold(0.0, |a: f64, &b| a.max(b));
         let relative: Vec<f32> = line_mass.iter().map(|m| (m / heaviest) as f32).collect();
         let mut rows = Inversion::new(1, height + 1);
-        let mut row_probability = vec![0.0; height + 1];
-        rows.tables().iter_mut().for_each(|table| {
-            table.fill(&relative, &mut row_probability);
-        });
+        let mut row_probability = Vec::new();
+        for table in &mut rows.tables() {
+            table.fill(&relative);
+            row_probability.extend(table.probability());
+        }
         for (j, line) in scale.chunks_exact_mut(width).enumerate() {
             let per_area = row_probability[j] * height as f64 / cell_height(shape, j) * width as f64;
             let factor = per_area / (2.0 * PI * PI);
@@ -107,7 +108,6 @@ fn cell_height(shape: Shape, j: usize) -> f64 {
 #[derive(Default)]
 struct Scratch {
     weights: Vec<f32>,
-    probability: Vec<f64>,
 }
 
 impl Scratch {
@@ -134,9 +134,8 @@ impl Scratch {
             self.weights.push((0.25 * (left + right)) as f32);
             left = right;
         }
-        self.probability.resize(width, 0.0);
-        let total = table.fill(&self.weights, &mut self.probability);
-        for ((scale, &weight), &p) in scale.iter_mut().zip(&self.weights).zip(&self.probability) {
+        let total = table.fill(&self.weights);
+        for ((scale, &weight), p) in scale.iter_mut().zip(&self.weights).zip(table.probability()) {
             *scale = if weight > 0.0 { (p / f64::from(weight)) as f32 } else { 0.0 };
         }
         total

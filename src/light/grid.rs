@@ -7,6 +7,7 @@
 //! is two fetches and inverts a cumulative sum (unlike the descent of a light tree: Conty Estevez & Kulla 2018); the
 //! density of a lamp that a ray runs into is read from the same table.
 
+use super::expected::{Facing, Lamp, Senders};
 use super::inversion::{Choice, Inversion};
 use crate::lane::{Bits, Real, Vec3};
 use glam::DVec3;
@@ -33,19 +34,6 @@ pub struct Receivers<'a> {
     pub spheres: &'a [([f32; 3], f32)],
 }
 
-/// A light as receivers see it from afar.
-pub(super) struct Lamp {
-    pub center: DVec3,
-    /// Unit; `None` for one that shines all ways.
-    pub normal: Option<DVec3>,
-    /// Area as seen along the normal, or from anywhere.
-    pub area: f64,
-    /// Radiance, the mean over the channels.
-    pub radiance: f64,
-    /// With which it is chosen by power.
-    pub probability: f64,
-}
-
 /// See the module.
 pub(super) struct ChoiceGrid {
     low: [f32; 3],
@@ -56,14 +44,6 @@ pub(super) struct ChoiceGrid {
     choice: Inversion,
     /// Of each light: numbers of the grid → times its probability by power.
     to_ratio: Vec<f32>,
-}
-
-/// Surfaces of a cell that face one way: sums over them.
-#[derive(Clone, Copy, Default)]
-struct Facing {
-    normal: DVec3,
-    point: DVec3,
-    weight: f64,
 }
 
 struct Cells {
@@ -98,11 +78,12 @@ impl ChoiceGrid {
             rows.push(Some(&cells.facing[place]));
         }
         let mut choice = Inversion::new(rows.len(), lamps.len());
+        let senders = Senders::new(lamps, cells.low, cells.size);
         choice.tables().into_par_iter().zip(&rows).for_each_init(
-            || (vec![0.0f32; lamps.len()], vec![0.0; lamps.len()]),
-            |(weights, probability), (mut table, row)| {
-                weigh(lamps, row.as_deref(), cells.size, weights);
-                table.fill(weights, probability);
+            || senders.room(),
+            |weights, (mut table, row)| {
+                weigh(lamps, &senders, row.as_deref(), weights);
+                table.fill(&weights[..lamps.len()]);
             },
         );
         let ratio = |lamp: &Lamp| if lamp.probability > 0.0 { (1.0 / lamp.probability / GRID) as f32 } else { 0.0 };
@@ -163,42 +144,14 @@ impl ChoiceGrid {
 
 const GRID: f64 = (1u32 << 24) as f64;
 
-/// The weights of the lights for surfaces of a cell of `size`; by power without any.
-fn weigh(lamps: &[Lamp], facing: Option<&Facing>, size: f64, weights: &mut [f32]) {
-    let mut total = 0.0;
-    if let Some(facing) = facing {
-        let (mean, center) = (facing.normal / facing.weight, facing.point / facing.weight);
-        let spread = (1.0 - mean.length_squared()).max(0.0).sqrt();
-        let normal = mean.normalize_or_zero();
-        let (s, t) = if normal == DVec3::ZERO { (DVec3::X, DVec3::Y) } else { normal.any_orthonormal_pair() };
-        let points =
-            [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(a, b)| center + 0.25 * size * (a * s + b * t));
-        for (weight, lamp) in weights.iter_mut().zip(lamps) {
-            let sent: f64 = points.iter().map(|p| lamp.sends(*p, normal, spread, size)).sum();
-            *weight = if lamp.probability > 0.0 { sent as f32 } else { 0.0 };
-            total += f64::from(*weight);
-        }
-    }
-    let by_power = if total > 0.0 && f64::is_finite(total) { BY_POWER } else { 1.0 };
+/// The weights of the lights for surfaces of a cell; by power without any.
+fn weigh(lamps: &[Lamp], senders: &Senders, facing: Option<&Facing>, weights: &mut [f32]) {
+    let total = facing.map_or(0.0, |facing| senders.send(facing, weights));
+    let by_power = if total > 0.0 && total.is_finite() { BY_POWER } else { 1.0 };
+    let by_place = if by_power < 1.0 { (1.0 - by_power) / total } else { 0.0 };
     for (weight, lamp) in weights.iter_mut().zip(lamps) {
-        let part = if by_power < 1.0 { (1.0 - by_power) * f64::from(*weight) / total } else { 0.0 };
+        let part = if by_place > 0.0 { by_place * f64::from(*weight) } else { 0.0 };
         *weight = (part + by_power * lamp.probability) as f32;
-    }
-}
-
-impl Lamp {
-    /// About what arrives at `p` on surfaces that face along `normal`, give or take `spread` (a sine), in cells of `size`.
-    fn sends(&self, p: DVec3, normal: DVec3, spread: f64, size: f64) -> f64 {
-        let to = self.center - p;
-        let squared = to.length_squared();
-        // Close by, neither the lamp nor the cell is a point.
-        let soft = squared.max(self.area / 4.0).max(size * size / 16.0);
-        let direction = to / squared.sqrt().max(f64::MIN_POSITIVE);
-        let extent = (self.area / soft).sqrt().min(1.0);
-        let leaving = self.normal.map_or(1.0, |n| (extent - n.dot(direction)).max(0.0) / (1.0 + extent));
-        let tilt = (spread + extent).min(1.0);
-        let arriving = (tilt + normal.dot(direction)).max(0.0) / (1.0 + tilt);
-        self.radiance * self.area * leaving * arriving / soft
     }
 }
 

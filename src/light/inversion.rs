@@ -157,20 +157,19 @@ fn rest<R: Real>(into: R, share: R, fine: R) -> R {
 }
 
 impl Table<'_> {
-    /// Fills the table in proportion to `weights` (finite, ≥ 0, as many as entries), sets `probability` to how often each
-    /// is chosen, and returns the sum of the weights. Where that is 0, nothing is ever chosen.
-    pub fn fill(&mut self, weights: &[f32], probability: &mut [f64]) -> f64 {
+    /// Fills the table in proportion to `weights` (finite, ≥ 0, as many as entries) and returns their sum. Where that is 0,
+    /// nothing is ever chosen.
+    pub fn fill(&mut self, weights: &[f32]) -> f64 {
         let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
-        let to_grid = if total > 0.0 { GRID / total } else { 0.0 };
         let last = weights.iter().rposition(|&w| w > 0.0).unwrap_or(0);
-        let mut sum = 0.0;
-        for (i, &w) in weights.iter().enumerate() {
+        let (before, rest) = self.cumulative[1..].split_at_mut(last);
+        let (mut sum, to_grid) = (0.0, GRID / total);
+        for (end, &w) in before.iter_mut().zip(weights) {
             sum += f64::from(w);
-            // The last that weighs anything ends at 1 whatever the sums' rounding.
-            let end = if i >= last && total > 0.0 { GRID } else { (sum * to_grid).round().min(GRID) };
-            self.cumulative[i + 1] = end as u32;
-            probability[i] = f64::from(self.cumulative[i + 1] - self.cumulative[i]) / GRID;
+            *end = (sum * to_grid + 0.5).min(GRID) as u32;
         }
+        // The last that weighs anything ends at 1 whatever the sums' rounding.
+        rest.fill(if total > 0.0 { GRID as u32 } else { 0 });
         match &mut self.finder {
             Finder::Guide(guide) => point(guide, self.cumulative, last),
             Finder::Row(row) => {
@@ -179,6 +178,11 @@ impl Table<'_> {
             }
         }
         total
+    }
+
+    /// How often each entry is chosen.
+    pub fn probability(&self) -> impl Iterator<Item = f64> + '_ {
+        self.cumulative.windows(2).map(|pair| f64::from(pair[1] - pair[0]) / GRID)
     }
 }
 

@@ -14,6 +14,7 @@ mod by_power;
 mod delta;
 mod density;
 mod environment;
+mod expected;
 mod grid;
 mod image;
 mod inversion;
