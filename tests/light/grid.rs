@@ -106,6 +106,50 @@ fn every_lamp_keeps_a_tenth_of_its_power() {
     }
 }
 
+/// Nine tenths in proportion to what four points of the floor in a cell would get of each lamp, by the formula in f64.
+#[test]
+fn in_proportion_to_what_lamps_send() {
+    let room = Room::new();
+    let by_power = room.stated(0);
+    // A thirty-second of the longest side.
+    let size = 2.0 / 32.0;
+    for (p, n) in &RECEIVERS[..2] {
+        let middle = |x: f32| ((f64::from(x) + 1.0) / size).floor() * size - 1.0 + 0.5 * size;
+        let (x, y) = (middle(p[0]), middle(p[1]));
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(|c| c.map(|c| 0.25 * size * c));
+        let sent = |e: &Emitter| corners.iter().map(|c| sends(e, [x + c[0], y + c[1], -0.5], size)).sum::<f64>();
+        let sent: Vec<f64> = room.emitters.iter().map(sent).collect();
+        let total: f64 = sent.iter().sum();
+        for (i, stated) in room.stated(room.table(*p, *n)).iter().enumerate() {
+            let expected = 0.9 * sent[i] / total + 0.1 * by_power[i];
+            // Numbers have steps of 2⁻²⁴.
+            assert!(
+                (stated - expected).abs() < 1.5 * f64::powi(2.0, -24) + 1e-5 * expected,
+                "{i}: {stated} {expected}"
+            );
+        }
+    }
+}
+
+/// About what arrives at a point of the floor.
+fn sends(emitter: &Emitter, p: [f64; 3], size: f64) -> f64 {
+    let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
+    let (center, area, down) = match emitter.shape {
+        EmitterShape::Triangle { p0, e1, e2 } => {
+            ([0, 1, 2].map(|k| f64::from(p0[k]) + (f64::from(e1[k]) + f64::from(e2[k])) / 3.0), emitter.area(), true)
+        }
+        EmitterShape::Sphere { center, radius } => {
+            (center.map(f64::from), std::f64::consts::PI * f64::from(radius).powi(2), false)
+        }
+    };
+    let to = [0, 1, 2].map(|k| center[k] - p[k]);
+    let soft = dot(to, to).max(area / 4.0).max(size * size / 16.0);
+    let up = to[2] / dot(to, to).sqrt();
+    let extent = (area / soft).sqrt().min(1.0);
+    let leaving = if down { (extent + up).max(0.0) / (1.0 + extent) } else { 1.0 };
+    f64::from(emitter.radiance[0]) * area * leaving * (extent + up).max(0.0) / (1.0 + extent) / soft
+}
+
 /// The density of a sample is what a ray that runs into the same point is told.
 #[test]
 fn read_back_from_the_table() {
