@@ -2,13 +2,14 @@
 """Seconds and paths that octolux needs to a relMSE on the reference scenes, beside what its peers were measured to need.
 
     cargo build --release
-    python3 tools/time_to_error.py [--seeds 4] [--scenes cornell,env] [--adaptive] [--json FILE] [-o DIR]
+    python3 tools/time_to_error.py [--seeds 4] [--scenes cornell,env] [--adaptive | --without] [--json FILE] [-o DIR]
 
 Runs `octolux converge` on each scene of ../shared/refs (reports stay in DIR) and prints a Markdown table with 95 %
 intervals: rendering alone, and the wall clock from exec to closed file. The peers' seconds are those of
 ../shared/refs/README.md, measured on another machine; tools/peer_mitsuba.py re-measures Mitsuba's paths a second here, and
 its paths to the error follow from C = relMSE·samples, which no machine changes. With --adaptive, samples are divided by a
-pilot (whose paths and seconds count).
+pilot (whose paths and seconds count). With --without, the same by renders that go without one of what makes the difference,
+and without all: seconds from exec to file, and how many times as many that is.
 """
 import argparse
 import json
@@ -30,13 +31,26 @@ SCENES = {
     "many_lights": ("1,4,16,64,256", {1e-2: 67.0}, 17.9),
     "door_ajar": ("16,64,256,1024", {1e-2: 14.0}, 24.9),
 }
+# What can be left out, by the flags that do.
+WITHOUT = {
+    "as it is": "",
+    "samples divided": "--adaptive",
+    "independent numbers": "--sampler independent",
+    "own paths": "--path-reuse off",
+    "no light paths": "--light-paths off",
+    "peers' roulette": "--roulette 5,1",
+    "none of it": "--sampler independent --path-reuse off --light-paths off --roulette 5,1",
+}
 
 
-def measure(scene, budgets, arguments):
+def measure(scene, budgets, arguments, variants=()):
     folder = pathlib.Path(arguments.output) / scene
     command = [str(ROOT / "target" / "release" / "octolux"), "converge", str(REFS / scene / "scene.toml"),
                "--reference", str(REFS / f"{scene}.exr"), "--spp", budgets, "--seeds", str(arguments.seeds), "--quiet",
-               "-o", str(folder)] + (["--", "--adaptive"] if arguments.adaptive else [])
+               "-o", str(folder)]
+    if variants:
+        command += ["--variants", "; ".join(f"{name}: {WITHOUT[name]}" for name in variants)]
+    command += ["--", "--adaptive"] if arguments.adaptive else []
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(f"{' '.join(command)}: {done.stderr.strip()}")
@@ -51,22 +65,48 @@ def cell(reached):
     return f"{reached['budget']:.3g}{mark}{bounds}"
 
 
-def beyond_reports(report, relmse):
-    """For a target that reports do not have: the straight line in logarithms between the budgets around it."""
-    rows = report["variants"][0]["rows"]
-    for before, after in zip(rows, rows[1:]):
-        high, low = before["relmse"]["value"], after["relmse"]["value"]
-        if high >= relmse >= low > 0:
-            t = math.log(high / relmse) / math.log(high / low)
+def target_of(variant, relmse):
+    """What a variant's report says of a target."""
+    near = [t for t in variant["targets"] if abs(t["relmse"] / relmse - 1) < 1e-6]
+    return near[0] if near else beyond_reports(variant, relmse)
 
-            def between(value):
-                a, b = value(before), value(after)
-                return {"budget": a * (b / a) ** t, "lo": None, "hi": None, "extrapolated": False}
 
-            return {"relmse": relmse, "paths": between(lambda row: row["paths"]),
-                    "seconds": between(lambda row: row["seconds"]["value"]),
-                    "wall_seconds": between(lambda row: row["wall_seconds"]["value"])}
-    return {"relmse": relmse, "paths": None, "seconds": None, "wall_seconds": None}
+def beyond_reports(variant, relmse):
+    """For a target that reports do not have: the straight line in logarithms between the budgets around it, or the last two."""
+    pairs = [(a, b) for a, b in zip(variant["rows"], variant["rows"][1:]) if a["relmse"]["value"] > b["relmse"]["value"] > 0]
+    around = [pair for pair in pairs if pair[0]["relmse"]["value"] >= relmse >= pair[1]["relmse"]["value"]]
+    if not (around or pairs) or not around and relmse > pairs[-1][1]["relmse"]["value"]:
+        return {"relmse": relmse, "paths": None, "seconds": None, "wall_seconds": None}
+    before, after = around[0] if around else pairs[-1]
+    t = math.log(before["relmse"]["value"] / relmse) / math.log(before["relmse"]["value"] / after["relmse"]["value"])
+
+    def between(value):
+        a, b = value(before), value(after)
+        return {"budget": a * (b / a) ** t, "lo": None, "hi": None, "extrapolated": not around}
+
+    return {"relmse": relmse, "paths": between(lambda row: row["paths"]),
+            "seconds": between(lambda row: row["seconds"]["value"]),
+            "wall_seconds": between(lambda row: row["wall_seconds"]["value"])}
+
+
+def without(scene, arguments):
+    """A row a target: seconds by each variant, and over those of a render as it is."""
+    budgets, targets, _ = SCENES[scene]
+    # Light paths are planned where there is glass; glass has no path reuse.
+    idle = "own paths" if scene == "glass" else "no light paths"
+    # What takes long to get there is judged from less: its straight line goes on.
+    report = measure(scene, ",".join(budgets.split(",")[:-1]), arguments, [name for name in WITHOUT if name != idle])
+    rows = []
+    for relmse in targets:
+        cells, first = [], None
+        for name in WITHOUT:
+            variant = next((v for v in report["variants"] if v["name"] == name), None)
+            reached = target_of(variant, relmse)["wall_seconds"] if variant else None
+            first = first or (reached and reached["budget"])
+            cells.append(cell(reached) + (f", ×{reached['budget'] / first:.3g}" if reached and first else ""))
+        print(f"| {scene} | {relmse:g} | " + " | ".join(cells) + " |", flush=True)
+        rows.append({"scene": scene, "relmse": relmse, "wall_seconds": dict(zip(WITHOUT, cells))})
+    return report, rows
 
 
 def main():
@@ -74,25 +114,36 @@ def main():
     parser.add_argument("--seeds", type=int, default=4)
     parser.add_argument("--scenes", default=",".join(SCENES))
     parser.add_argument("--adaptive", action="store_true", help="with samples divided by a pilot")
+    parser.add_argument("--without", action="store_true", help="what each ingredient is worth")
     parser.add_argument("--json", help="write the table as JSON too")
     parser.add_argument("-o", "--output", default=tempfile.mkdtemp(prefix="octolux-time-to-error-"))
     arguments = parser.parse_args()
     rows = []
+    if arguments.without:
+        print("| scene | relMSE | " + " | ".join(WITHOUT) + " |\n|" + "---|" * (2 + len(WITHOUT)))
+        for scene in arguments.scenes.split(","):
+            report, found = without(scene, arguments)
+            rows += found
+        write(arguments, report, rows)
+        return
     print("| scene | relMSE | s, rendering | s, exec to file | paths | of Mitsuba's paths | best peer, about, s |")
     print("|---|---|---|---|---|---|---|")
     for scene in arguments.scenes.split(","):
         budgets, targets, c = SCENES[scene]
         report = measure(scene, budgets, arguments)
         pixels = report["width"] * report["height"]
-        stated = report["variants"][0]["targets"]
+        variant = report["variants"][0]
         for relmse, peer in targets.items():
-            near = [t for t in stated if abs(t["relmse"] / relmse - 1) < 1e-6]
-            target = near[0] if near else beyond_reports(report, relmse)
+            target = target_of(variant, relmse)
             paths = target["paths"]
             share = f"1/{c / target['relmse'] * pixels / paths['budget']:.3g}" if paths else "–"
             print(f"| {scene} | {target['relmse']:g} | {cell(target['seconds'])} | {cell(target['wall_seconds'])} "
                   f"| {cell(paths)} | {share} | {peer:g} |", flush=True)
             rows.append({"scene": scene, "best_peer_seconds": peer, "mitsuba_c": c, **target})
+    write(arguments, report, rows)
+
+
+def write(arguments, report, rows):
     print("\n* extrapolated beyond the budgets.  Reports:", arguments.output)
     if arguments.json:
         machine = {"machine": report["machine"], "seeds": arguments.seeds, "rows": rows}
