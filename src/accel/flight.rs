@@ -72,20 +72,19 @@ pub struct Flight {
 }
 
 thread_local! {
-    // Too large to clear for every packet, and what a walk leaves behind is never read.
-    pub static FLIGHT: RefCell<Flight> = const {
-        RefCell::new(Flight {
-            lanes: Lanes::ZERO,
-            best: Best { t: [0.0; RAYS], primitive: [0; RAYS], u: [0.0; RAYS], v: [0.0; RAYS] },
-            lists: Lists::EMPTY,
-            chosen: Chosen::NONE,
-            visits: Visits::NONE,
-            top: [0; RAYS],
-            candidates: Candidates { edges: [EdgeValues::ZERO; RAYS], words: [0; 8 * RAYS + 8] },
-            stacks: Stacks { t_near: [0.0; RAYS * PLACES], child: [0; RAYS * PLACES] },
-            floored: false,
-        })
-    };
+    // Too large to clear for every packet, and what a walk leaves behind is never read. On the heap: each thread of the process
+    // would have its own, written when it begins, whether it traces or not.
+    pub static FLIGHT: RefCell<Box<Flight>> = RefCell::new(Box::new(Flight {
+        lanes: Lanes::ZERO,
+        best: Best { t: [0.0; RAYS], primitive: [0; RAYS], u: [0.0; RAYS], v: [0.0; RAYS] },
+        lists: Lists::EMPTY,
+        chosen: Chosen::NONE,
+        visits: Visits::NONE,
+        top: [0; RAYS],
+        candidates: Candidates { edges: [EdgeValues::ZERO; RAYS], words: [0; 8 * RAYS + 8] },
+        stacks: Stacks { t_near: [0.0; RAYS * PLACES], child: [0; RAYS * PLACES] },
+        floored: false,
+    }));
 }
 
 impl Best {
