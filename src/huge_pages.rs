@@ -1,44 +1,19 @@
-//! Memory in huge pages, and kept.
+//! Huge pages for large blocks of memory.
 //!
-//! Fresh memory costs a fault for every 4 KB when it is first written, some 2 µs each in a virtual machine: a third of the
-//! time to set up a scene of a hundred thousand triangles. In a tree of millions of them a walk also misses the translation of
-//! its address at nearly every node. So the program asks for huge pages of 2 MB, which Linux gives to those who ask
-//! (`madvise`, the usual setting), and keeps what it frees for what it needs next. `benches/README.md` has what that is worth.
+//! A tree of millions of triangles lies on some hundred thousand pages of 4 KB: each is a fault when it is first written, and a
+//! walk down the tree misses the translation of its address at nearly every node. Where Linux gives huge pages to those who
+//! ask (`madvise`, the usual setting), the allocator below asks. `benches/README.md` has what that is worth.
 
 use nix::sys::mman::{MmapAdvise, madvise};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::ptr::NonNull;
 
-/// Bytes from which a block is worth a call of the system.
-const LARGE: usize = 128 << 10;
+/// Of x86-64, in bytes.
+const HUGE_PAGE: usize = 2 << 20;
 
-/// What the heap grows by, and what is asked for: all around a block as far as places of this size reach, and one more. Its
-/// neighbours are then in huge pages, too.
-const AROUND: usize = 64 << 20;
-
-/// Tells the system's allocator to keep what is freed, to grow by much, and to have one heap for all threads, whose growth is
-/// then in whole huge pages (threads' own heaps grow by a few small ones). To be called before there are threads.
-pub fn keep_memory() {
-    #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    {
-        let growth = AROUND as libc::c_int;
-        let settings = [
-            // Blocks from this size on are mapped, and given back, each on its own.
-            (libc::M_MMAP_THRESHOLD, 32 << 20),
-            (libc::M_TOP_PAD, growth),
-            // Free memory at the end of the heap is given back beyond this.
-            (libc::M_TRIM_THRESHOLD, 256 << 20),
-            (libc::M_ARENA_MAX, 1),
-        ];
-        for (parameter, value) in settings {
-            // SAFETY: parameters and values are those of mallopt(3), which changes where blocks come from and nothing else;
-            // where it refuses, all is as it was.
-            unsafe { libc::mallopt(parameter, value) };
-        }
-        // So that it grows now, and all of what it grew by is asked for.
-        std::hint::black_box(Vec::<u8>::with_capacity(LARGE));
-    }
-}
+/// Bytes from which a block is worth it: in a virtual machine whose host takes free memory back, a huge page may have to be made
+/// anew, and smaller sets of data then take longer to be there than they save.
+const LARGE: usize = 32 << 20;
 
 /// The system's allocator, with huge pages for large blocks where they can be had.
 pub struct HugePages;
@@ -64,16 +39,17 @@ unsafe impl GlobalAlloc for HugePages {
     }
 }
 
-/// Asks for huge pages around a large block; returns the block.
+/// Asks for huge pages where the block holds whole ones; returns the block.
 fn ask(block: *mut u8, size: usize) -> *mut u8 {
-    if size >= LARGE && !block.is_null() {
-        let inside = block as usize % AROUND;
-        if let Some(first) = NonNull::new(block.wrapping_sub(inside)) {
-            let length = (inside + size + AROUND).next_multiple_of(AROUND);
-            // SAFETY: the advice changes by what pages the system keeps what is mapped there, and nothing of what is in
-            // them, whosever they are. Where nothing is mapped, or there are no huge pages to be had, nothing is lost.
-            let _ = unsafe { madvise(first.cast(), length, MmapAdvise::MADV_HUGEPAGE) };
-        }
+    let inside = block.align_offset(HUGE_PAGE);
+    if size >= LARGE
+        && let Some(first) = NonNull::new(block.wrapping_add(inside))
+        && !block.is_null()
+    {
+        let whole = (size - inside) / HUGE_PAGE * HUGE_PAGE;
+        // SAFETY: the range lies in the block, which is the caller's alone, and the advice changes nothing but by what pages
+        // the system keeps it. Where there are no huge pages to be had nothing is lost.
+        let _ = unsafe { madvise(first.cast(), whole, MmapAdvise::MADV_HUGEPAGE) };
     }
     block
 }

@@ -1,13 +1,12 @@
 //! The `octolux` command: arguments in, one library call, exit code out.
 
-use octolux::huge_pages::{HugePages, keep_memory};
+use octolux::huge_pages::HugePages;
 use std::process::ExitCode;
 
 #[global_allocator]
 static ALLOCATOR: HugePages = HugePages;
 
 fn main() -> ExitCode {
-    keep_memory();
     // Before anything that may hold vector instructions.
     if let Err(feature) = octolux::cpu::guard() {
         eprintln!(

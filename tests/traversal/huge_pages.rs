@@ -6,7 +6,7 @@ use std::alloc::{GlobalAlloc, Layout};
 const MB: usize = 1 << 20;
 
 /// Sizes below, at and beyond what is large and what a huge page holds.
-const SIZES: [usize; 8] = [1, 4096, 2 * MB, 8 * MB - 1, 8 * MB, 8 * MB + 1, 10 * MB, 33 * MB + 17];
+const SIZES: [usize; 8] = [1, 4096, 2 * MB, 32 * MB - 1, 32 * MB, 32 * MB + 1, 34 * MB, 41 * MB + 17];
 
 /// Something else at each place.
 fn value(place: usize) -> u8 {
