@@ -239,7 +239,7 @@ impl<'a, R: Real, const N: usize> Group<'a, R, N> {
     }
 }
 
-/// The closest hits of packets that have a group each, a step of each in turn; of the others something.
+/// The closest hits of packets that have a group each, a step of each in turn; what is given for others means nothing.
 #[inline(always)]
 pub fn side_by_side<R: Real, const N: usize>(
     groups: &[Option<Group<R, 1>>; N],
