@@ -139,12 +139,8 @@ impl Accel {
     /// The same, walked as trees that are too large for caches near a core, or for all, are walked: for tests of that.
     #[doc(hidden)]
     pub fn walked_as_far(mut self, in_memory: bool) -> Self {
-        for (far, beyond) in [
-            (&mut self.triangle_tree.far, &mut self.triangle_tree.in_memory),
-            (&mut self.sphere_tree.far, &mut self.sphere_tree.in_memory),
-        ] {
-            (*far, *beyond) = (true, in_memory);
-        }
+        (self.triangle_tree.far, self.triangle_tree.in_memory) = (true, in_memory);
+        (self.sphere_tree.far, self.sphere_tree.in_memory) = (true, in_memory);
         self
     }
 

@@ -58,7 +58,8 @@ impl ImageMap {
     /// `None` where the image is black.
     pub(super) fn build(image: &EnvironmentImage, samples: SkySamples) -> Option<Self> {
         let shape = Shape { width: image.width, height: image.height };
-        let rows = image.texels.par_chunks_exact(image.width);
+        // (An image without columns has no texels.)
+        let rows = image.texels.par_chunks_exact(image.width.max(1));
         let largest = rows.map(|row| over_means(row, |mean| mean, f64::max)).reduce(|| 0.0, f64::max);
         if largest <= 0.0 {
             return None;
