@@ -5,23 +5,12 @@
 //! (`benches/README.md`). A kernel specialised to a scene gives the general kernel's bits on it.
 
 mod decide;
+mod geometry;
 mod light_paths;
 mod path_reuse;
 
 use crate::scene::{IntegratorKind, Scene};
-
-/// Up to this many primitives a ray is tested against all of them and no tree is built.
-pub const BRUTE_FORCE_LIMIT: usize = 64;
-
-/// How rays find geometry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum GeometryMode {
-    /// Every primitive in turn; no tree exists.
-    Brute,
-    /// An 8-wide tree: camera rays as packets, rays after a bounce one by one against eight children.
-    Tree,
-}
+pub use geometry::{BRUTE_FORCE_LIMIT, BRUTE_FORCE_MOST, GeometryMode};
 
 /// Which scattering models the kernel holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -103,7 +92,7 @@ impl Feature {
     }
 }
 
-/// What is forced instead of decided: for `check`, ablations and tests.
+/// What is forced instead of decided: by `--mode` and `--general`, for `check`, ablations and tests.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Force {
     /// Keep every stage: the general kernel.

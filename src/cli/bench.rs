@@ -97,26 +97,23 @@ fn ablate(args: &BenchArgs, scene_args: &SceneArgs) -> Result<bool, CliError> {
     drop(phase);
     let phase = Phase::begin("building trees and tables", args.quiet);
     let prepare = |plan| scene_args.prepare_plan(&scene, plan);
-    let planned = prepare(Plan::new(&scene, Force::default(), false))?;
+    let force = scene_args.force(Force::default());
+    let planned = prepare(Plan::new(&scene, force, false))?;
     let mut others = Vec::new();
     for feature in Feature::ALL.into_iter().filter(|&feature| !planned.plan.keeps(feature)) {
-        let plan = Plan::keeping(Some(feature), &scene, Force::default(), false);
+        let plan = Plan::keeping(Some(feature), &scene, force, false);
         if plan.keeps(feature) {
             others.push((feature.name().to_string(), prepare(plan)?));
         }
     }
     let primitives = scene.mesh.triangles.len() + scene.spheres.len();
-    let other_mode = match planned.plan.geometry {
-        GeometryMode::Brute => Some((GeometryMode::Tree, "a tree")),
-        GeometryMode::Tree if primitives <= MOST_FOR_BRUTE_FORCE => Some((GeometryMode::Brute, "brute force, no tree")),
-        GeometryMode::Tree => None,
-    };
-    if let Some((mode, name)) = other_mode {
-        let force = Force { geometry: Some(mode), ..Force::default() };
-        others.push((name.to_string(), prepare(Plan::new(&scene, force, false))?));
+    let possible = |mode: &GeometryMode| mode.has_tree() || primitives <= MOST_FOR_BRUTE_FORCE;
+    for mode in GeometryMode::ALL.into_iter().filter(possible).filter(|&mode| mode != planned.plan.geometry) {
+        let force = Force { geometry: Some(mode), ..force };
+        others.push((mode.describe().to_string(), prepare(Plan::new(&scene, force, false))?));
     }
     others.push(("everything (--general)".into(), {
-        prepare(Plan::new(&scene, Force { general: true, geometry: None }, false))?
+        prepare(Plan::new(&scene, Force { general: true, ..force }, false))?
     }));
     drop(phase);
     let phase = Phase::begin("measuring", args.quiet);

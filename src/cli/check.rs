@@ -60,18 +60,23 @@ pub fn run(args: &CheckArgs) -> Result<bool, CliError> {
     let general = world(geometry(GeometryMode::Tree))?;
     let planned = world(Force::default())?;
     let mut worlds: Vec<(&str, &World)> = vec![("general", &general), ("specialised", &planned)];
-    let brute = (primitives <= BRUTE_FORCE_CHECK_LIMIT).then(|| world(geometry(GeometryMode::Brute))).transpose()?;
-    if let Some(brute) = &brute {
-        worlds.push(("brute force", brute));
+    let brute = (primitives <= BRUTE_FORCE_CHECK_LIMIT).then_some(GeometryMode::Brute);
+    let asked_for = scene_args.mode.filter(|&mode| Some(mode) != brute);
+    let mut others = Vec::new();
+    for mode in brute.into_iter().chain(asked_for) {
+        others.push((mode.describe(), world(geometry(mode))?));
     }
+    worlds.extend(others.iter().map(|(name, world)| (*name, world)));
     drop(phase);
     let phase = Phase::begin("comparing every value of every path", args.quiet);
     let mut stages = Vec::new();
     let all = Width::ALL;
     stages.push(("tree, widths".into(), compare_stages(&general, &general, &all, args.spp, args.inject_fault)));
-    if let Some(brute) = brute.as_ref().filter(|_| primitives <= BRUTE_FORCE_LIMIT || args.inject_fault.is_none()) {
-        let widths = [Width::Sixteen];
-        stages.push(("brute force against tree".into(), compare_stages(&general, brute, &widths, args.spp, None)));
+    if primitives <= BRUTE_FORCE_LIMIT || args.inject_fault.is_none() {
+        for (name, other) in &others {
+            let report = compare_stages(&general, other, &[Width::Sixteen], args.spp, None);
+            stages.push((format!("{name} against tree"), report));
+        }
     }
     drop(phase);
     let phase = Phase::begin("comparing images", args.quiet);
@@ -134,9 +139,10 @@ fn print_difference(d: &Difference, report: &Report, args: &SceneArgs) {
     let size = args.size.map_or(String::new(), |s| format!(" --size {}x{}", s.width, s.height));
     let light_paths = args.light_paths.map_or(String::new(), |l| format!(" --light-paths {}", l.name()));
     let reuse = args.path_reuse.map_or(String::new(), |p| format!(" --path-reuse {}", p.name()));
+    let mode = args.mode.map_or(String::new(), |m| format!(" --mode {}", m.name()));
     let roulette = args.roulette.map_or(String::new(), |r| format!(" --roulette {r}"));
     println!(
-        "  replay: octolux replay {} --bits --pixel {},{} --sample {} --seed {} --sampler {}{size}{light_paths}{reuse}{roulette}",
+        "  replay: octolux replay {} --bits --pixel {},{} --sample {} --seed {} --sampler {}{size}{light_paths}{reuse}{roulette}{mode}",
         report.scene,
         d.x,
         d.y,

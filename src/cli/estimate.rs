@@ -11,7 +11,7 @@ use crate::estimate::study::{Budget, Quantity, Study, run as run_study};
 use crate::estimate::table::csv;
 use crate::film::beside::write_beside;
 use crate::kernel::{Prepare, Width, World};
-use crate::plan::{Force, Plan};
+use crate::plan::{Force, GeometryMode, Plan};
 use crate::render::interrupt;
 use crate::scene::{EnvironmentImage, Scene};
 use std::path::{Path, PathBuf};
@@ -84,6 +84,9 @@ struct ProblemArgs {
     /// illumination: column and row of the pixel, from the top left [default: the middle]
     #[arg(long, value_name = "X,Y", value_parser = super::replay::parse_pixel)]
     pixel: Option<(u32, u32)>,
+    /// illumination: how all rays find geometry, to compare: the same bits [default: as the plan decides]
+    #[arg(long, value_enum)]
+    mode: Option<GeometryMode>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -245,7 +248,11 @@ fn scene(args: &EstimateArgs) -> Result<Option<Scene>, String> {
 
 fn illumination(of: &ProblemArgs, scene: Option<&Scene>, seed: u64, width: Width) -> Result<Box<dyn Problem>, String> {
     let scene = scene.ok_or("illumination is of a scene: give --scene SCENE.toml")?;
-    let plan = Plan::new(scene, Force::default(), false).with_light_samples_alone();
+    let force = Force { geometry: of.mode, ..Force::default() };
+    let plan = Plan::new(scene, force, false).with_light_samples_alone();
+    if let Some(why) = plan.geometry.refusal(scene) {
+        return Err(why);
+    }
     let world = World::new(scene, plan, Prepare { seed, ..Prepare::default() }).map_err(|e| e.to_string())?;
     let (x, y) = of.pixel.unwrap_or((world.film.width / 2, world.film.height / 2));
     Ok(Box::new(problems::illumination(world, &scene.name, [x, y], width)?))

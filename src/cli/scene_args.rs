@@ -3,7 +3,7 @@
 use super::CliError;
 use crate::accel::Preset;
 use crate::kernel::{Prepare, Width, World};
-use crate::plan::{Force, Plan};
+use crate::plan::{Force, GeometryMode, Plan};
 use crate::render::{self, Phase, Times};
 use crate::sampling::SamplerKind;
 use crate::scene::{FilmSize, LightPaths, PathReuse, Roulette, Scene};
@@ -37,6 +37,9 @@ pub struct SceneArgs {
     /// Tree quality
     #[arg(long, value_enum, default_value_t = Preset::Medium)]
     pub build: Preset,
+    /// How all rays find geometry, to compare: the same bits [default: as the plan decides, see `octolux info`]
+    #[arg(long, value_enum)]
+    pub mode: Option<GeometryMode>,
 }
 
 /// Lane width and threads.
@@ -97,10 +100,18 @@ impl SceneArgs {
     }
 
     pub fn prepare(&self, scene: &Scene, force: Force, albedo: bool) -> Result<World, CliError> {
-        self.prepare_plan(scene, Plan::new(scene, force, albedo))
+        self.prepare_plan(scene, Plan::new(scene, self.force(force), albedo))
+    }
+
+    /// With the way to find geometry that is asked for, where `force` leaves that open.
+    pub fn force(&self, force: Force) -> Force {
+        Force { geometry: force.geometry.or(self.mode), ..force }
     }
 
     pub fn prepare_plan(&self, scene: &Scene, plan: Plan) -> Result<World, CliError> {
+        if let Some(why) = plan.geometry.refusal(scene) {
+            return Err(CliError::Usage(why));
+        }
         let options = Prepare { seed: self.seed, sampler: self.sampler, build: self.build };
         Ok(World::new(scene, plan, options)?)
     }

@@ -113,7 +113,7 @@ struct View<'a, R: Real> {
 fn closest<R: Real>(world: &World, ray: &Ray<R>, active: R::Mask) -> Hit<R> {
     match world.plan.geometry {
         GeometryMode::Brute => world.closest::<R, Brute>(ray, active),
-        GeometryMode::Tree => world.closest::<R, Stream>(ray, active),
+        _ => world.closest::<R, Stream>(ray, active),
     }
 }
 
@@ -167,7 +167,7 @@ fn light<R: Real>(view: &View<R>, u: [R; 3], combined: bool) -> Vec3<R> {
     let ray = light_ray(surface, &light);
     let occluded = match world.plan.geometry {
         GeometryMode::Brute => world.occluded::<R, Brute>(&ray, active),
-        GeometryMode::Tree => world.occluded::<R, Shadow>(&ray, active),
+        _ => world.occluded::<R, Shadow>(&ray, active),
     };
     let weight = if combined { mis_weight(light.pdf, eval.pdf) } else { R::one() };
     let weight = weight * softened(world, surface, light.wi, wi, wo);

@@ -19,6 +19,7 @@ mod phong;
 mod prepare;
 mod probe;
 mod queue;
+mod rays;
 mod reuse;
 mod roulette;
 mod rows;
@@ -62,7 +63,8 @@ impl Traversal for BruteForce {
     type Shadow = Brute;
 }
 
-/// Packets for camera rays; after a bounce each ray on its own way, the lanes of a packet in flight together.
+/// Packets for camera rays; after a bounce each ray on its own way, the lanes of a packet in flight together; or all in one way
+/// where the plan [says so](GeometryMode::is_uniform).
 pub struct TreeTraversal;
 impl Traversal for TreeTraversal {
     type Camera = Packet;
@@ -128,7 +130,7 @@ pub(crate) fn render_own<S: Shade>(
 ) {
     match world.plan.geometry {
         GeometryMode::Brute => own_width::<BruteForce, S>(world, shade, width, job, out, counters),
-        GeometryMode::Tree => own_width::<TreeTraversal, S>(world, shade, width, job, out, counters),
+        _ => own_width::<TreeTraversal, S>(world, shade, width, job, out, counters),
     }
 }
 
@@ -163,12 +165,12 @@ pub fn select(world: &World, width: Width) -> Kernel {
     match (Estimator::of(world), world.plan.geometry, world.plan.shading) {
         (Estimator::Path, GeometryMode::Brute, Shading::Lambert) => widths!(width, path, [BruteForce, LambertOnly]),
         (Estimator::Path, GeometryMode::Brute, Shading::General) => widths!(width, path, [BruteForce, AllModels]),
-        (Estimator::Path, GeometryMode::Tree, Shading::Lambert) => widths!(width, path, [TreeTraversal, LambertOnly]),
-        (Estimator::Path, GeometryMode::Tree, Shading::General) => widths!(width, path, [TreeTraversal, AllModels]),
+        (Estimator::Path, _, Shading::Lambert) => widths!(width, path, [TreeTraversal, LambertOnly]),
+        (Estimator::Path, _, Shading::General) => widths!(width, path, [TreeTraversal, AllModels]),
         (Estimator::Gather, GeometryMode::Brute, _) => widths!(width, gather, [BruteForce]),
-        (Estimator::Gather, GeometryMode::Tree, _) => widths!(width, gather, [TreeTraversal]),
+        (Estimator::Gather, _, _) => widths!(width, gather, [TreeTraversal]),
         (Estimator::View, GeometryMode::Brute, _) => widths!(width, view, [BruteForce]),
-        (Estimator::View, GeometryMode::Tree, _) => widths!(width, view, [TreeTraversal]),
+        (Estimator::View, _, _) => widths!(width, view, [TreeTraversal]),
     }
 }
 
@@ -180,7 +182,7 @@ pub fn select_light(world: &World, width: Width) -> Option<LightKernel> {
     world.light_paths?;
     Some(match world.plan.geometry {
         GeometryMode::Brute => widths!(width, light, [BruteForce]),
-        GeometryMode::Tree => widths!(width, light, [TreeTraversal]),
+        _ => widths!(width, light, [TreeTraversal]),
     })
 }
 

@@ -64,7 +64,7 @@ impl World {
             scene.spheres.iter().map(|s| (s.center.map(|x| x * scale), s.radius * scale)).collect();
         let build = match plan.geometry {
             GeometryMode::Brute => BuildOptions::lists(),
-            GeometryMode::Tree => BuildOptions::trees(options.build),
+            _ => BuildOptions::trees(options.build),
         };
         let ((accel, tree_seconds), (triangles, lights, lights_seconds)) = rayon::join(
             || {

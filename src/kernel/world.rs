@@ -7,8 +7,8 @@ use super::material_table::MaterialTable;
 use super::prepare::Setup;
 use super::roulette::Roulette;
 use super::texture::TextureTable;
-use crate::accel::{Accel, Mode};
-use crate::geometry::{Hit, Ray, Rows, SphereAt, SphereRows, TriangleRows};
+use crate::accel::Accel;
+use crate::geometry::{Rows, SphereAt, SphereRows, TriangleRows};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::light::{LightSample, Lights, Reach};
 use crate::own::Numbers;
@@ -87,30 +87,6 @@ impl World {
     pub fn needs_equal_samples(&self) -> Option<&'static str> {
         let gathers = self.integrator.kind == IntegratorKind::Gather;
         gathers.then_some("directions that `gather` shares are no samples of a pixel alone; leave --adaptive out")
-    }
-
-    /// The closest hits. One copy a width and mode, called: kernels stay small, and profiles tell traversal apart.
-    #[inline(never)]
-    pub fn closest<R: Real, M: Mode>(&self, ray: &Ray<R>, active: R::Mask) -> Hit<R> {
-        self.accel.trace::<R, M>(ray, active)
-    }
-
-    /// Is anything in the way?
-    #[inline(never)]
-    pub fn occluded<R: Real, M: Mode>(&self, ray: &Ray<R>, active: R::Mask) -> R::Mask {
-        self.accel.occluded::<R, M>(ray, active)
-    }
-
-    /// [`World::closest`] of several packets.
-    #[inline(never)]
-    pub fn closest_many<R: Real, M: Mode>(&self, rays: &[Ray<R>], active: &[R::Mask], hits: &mut [Hit<R>]) {
-        self.accel.trace_many::<R, M>(rays, active, hits)
-    }
-
-    /// [`World::occluded`] of several packets.
-    #[inline(never)]
-    pub fn occluded_many<R: Real, M: Mode>(&self, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
-        self.accel.occluded_many::<R, M>(rays, active, found)
     }
 
     /// A sample of some light as seen from `p`: area lights by power, or from a [table](Lights::table_at) where there is a grid.

@@ -81,8 +81,8 @@ impl<R: Real> CameraSample<'_, R> {
         self.counters.traced(self.bounce == 0.0, active);
         match (self.world.plan.geometry, self.bounce == 0.0) {
             (GeometryMode::Brute, _) => self.closest_by::<Brute>(ray, active),
-            (GeometryMode::Tree, true) => self.closest_by::<Packet>(ray, active),
-            (GeometryMode::Tree, false) => self.closest_by::<Stream>(ray, active),
+            (_, true) => self.closest_by::<Packet>(ray, active),
+            (_, false) => self.closest_by::<Stream>(ray, active),
         }
     }
 
@@ -95,7 +95,7 @@ impl<R: Real> CameraSample<'_, R> {
         self.counters.shadow(active);
         match self.world.plan.geometry {
             GeometryMode::Brute => self.world.occluded::<R, Brute>(ray, active),
-            GeometryMode::Tree => self.world.occluded::<R, Shadow>(ray, active),
+            _ => self.world.occluded::<R, Shadow>(ray, active),
         }
     }
 

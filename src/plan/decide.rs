@@ -22,8 +22,12 @@ impl Plan {
         let small = primitives <= BRUTE_FORCE_LIMIT;
         let geometry =
             force.geometry.unwrap_or(if small && !force.general { GeometryMode::Brute } else { GeometryMode::Tree });
-        let order = if small { "at most" } else { "more than" };
-        decide("tree", geometry == GeometryMode::Tree, format!("{primitives} primitives, {order} {BRUTE_FORCE_LIMIT}"));
+        let why = match force.geometry {
+            Some(mode) => format!("{primitives} primitives; asked for: {}", mode.describe()),
+            None if small => format!("{primitives} primitives, at most {BRUTE_FORCE_LIMIT}"),
+            None => format!("{primitives} primitives, more than {BRUTE_FORCE_LIMIT}"),
+        };
+        decide("tree", geometry.has_tree(), why);
 
         let used = used_materials(scene);
         let count = |is: fn(&Material) -> bool| used.iter().filter(|&&m| is(&scene.materials[m])).count();

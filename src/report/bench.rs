@@ -2,6 +2,7 @@
 
 use crate::film::Film;
 use crate::kernel::{Counters, Width, World};
+use crate::plan::GeometryMode;
 use crate::process;
 use crate::render::{self, Budget, Options, Progress};
 use std::fmt;
@@ -22,6 +23,8 @@ pub struct SceneBench {
 pub struct SceneBenchReport {
     pub scene: String,
     pub cpu_features: Vec<&'static str>,
+    /// How rays found geometry.
+    pub geometry: GeometryMode,
     pub settings: Vec<Setting>,
 }
 
@@ -55,7 +58,12 @@ pub fn bench_scene(world: &World, bench: &SceneBench) -> Result<SceneBenchReport
         runs.iter_mut().for_each(|run| drop(run.window()));
     }
     let settings = runs.into_iter().map(Run::report).collect();
-    Ok(SceneBenchReport { scene: bench.name.clone(), cpu_features: crate::cpu::compiled_features(), settings })
+    Ok(SceneBenchReport {
+        scene: bench.name.clone(),
+        cpu_features: crate::cpu::compiled_features(),
+        geometry: world.plan.geometry,
+        settings,
+    })
 }
 
 pub(super) struct Run<'a> {
@@ -131,7 +139,8 @@ impl<'a> Run<'a> {
 
 impl fmt::Display for SceneBenchReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}\nlanes threads  Mpaths/s (min–max)  Mrays/s  rays/path  lanes alive", self.scene)?;
+        writeln!(f, "{}: {}", self.scene, self.geometry.describe())?;
+        writeln!(f, "lanes threads  Mpaths/s (min–max)  Mrays/s  rays/path  lanes alive")?;
         for s in &self.settings {
             writeln!(
                 f,

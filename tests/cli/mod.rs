@@ -9,6 +9,7 @@ mod errors;
 mod estimate;
 mod info;
 mod ladder;
+mod modes;
 mod path_reuse;
 mod render;
 mod replay;

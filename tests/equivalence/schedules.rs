@@ -20,6 +20,8 @@ fn every_kernel_gives_the_general_scalar_kernels_bits() {
         ("brute force", geometry(GeometryMode::Brute)),
         ("tree", geometry(GeometryMode::Tree)),
         ("specialised, tree", Force { general: false, geometry: Some(GeometryMode::Tree) }),
+        ("specialised, packets", Force { general: false, geometry: Some(GeometryMode::Packet) }),
+        ("specialised, streams", Force { general: false, geometry: Some(GeometryMode::Stream) }),
     ];
     let pool = thread_pool(2).expect("threads");
     for (name, scene) in scenes::all() {

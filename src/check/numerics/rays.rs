@@ -70,7 +70,7 @@ impl Verdict {
     }
 }
 
-/// Asks lists, packets and streams for the closest hit, lists and shadow rays for any, at widths 1, 8 and 16.
+/// Asks lists, packets and streams for the closest hit and for any, and shadow rays for any, at widths 1, 8 and 16.
 pub fn ask(worlds: &Both, rays: &[OneRay]) -> (Verdict, Hits) {
     let reference = closest::<f32, Brute>(&worlds.lists, rays);
     let mut verdict = Verdict { rays: rays.len() as u64, ..Verdict::default() };
@@ -88,6 +88,8 @@ fn at_width<R: Real>(worlds: &Both, rays: &[OneRay], reference: &Hits, verdict: 
     verdict.hits("packet", rays, &closest::<R, Packet>(&worlds.tree, rays), reference);
     verdict.hits("stream", rays, &closest::<R, Stream>(&worlds.tree, rays), reference);
     verdict.occlusion("lists any", rays, &any::<R, Brute>(&worlds.lists, rays), reference);
+    verdict.occlusion("packet any", rays, &any::<R, Packet>(&worlds.tree, rays), reference);
+    verdict.occlusion("stream any", rays, &any::<R, Stream>(&worlds.tree, rays), reference);
     verdict.occlusion("shadow", rays, &any::<R, Shadow>(&worlds.tree, rays), reference);
 }
 

@@ -32,7 +32,7 @@ pub fn rank(world: &World) -> Vec<Evidence> {
         (0..PIXELS * PIXELS).map(|i| [place(i % PIXELS, world.film.width), place(i / PIXELS, world.film.height)]);
     let look = |pixel| match world.plan.geometry {
         GeometryMode::Brute => arriving::<Brute>(world, pixel, &unit),
-        GeometryMode::Tree => arriving::<Packet>(world, pixel, &unit),
+        _ => arriving::<Packet>(world, pixel, &unit),
     };
     let functions: Vec<Vec<f64>> = pixels.filter_map(look).collect();
     let varied = functions.iter().any(|y| y.iter().any(|v| *v != y[0]));

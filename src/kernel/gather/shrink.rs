@@ -140,9 +140,9 @@ fn pilot(world: &World) -> (Vec<Pilot>, u64) {
 fn watched(world: &World, job: &Job) -> (Watch, u64) {
     let look = match (Width::native(), world.plan.geometry) {
         (Width::Sixteen, GeometryMode::Brute) => look_through::<f32x16, BruteForce>,
-        (Width::Sixteen, GeometryMode::Tree) => look_through::<f32x16, TreeTraversal>,
+        (Width::Sixteen, _) => look_through::<f32x16, TreeTraversal>,
         (_, GeometryMode::Brute) => look_through::<f32x8, BruteForce>,
-        (_, GeometryMode::Tree) => look_through::<f32x8, TreeTraversal>,
+        (_, _) => look_through::<f32x8, TreeTraversal>,
     };
     look(world, job)
 }
