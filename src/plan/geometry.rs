@@ -5,7 +5,8 @@ use crate::scene::Scene;
 /// Up to this many primitives a ray is tested against all of them and no tree is built.
 pub const BRUTE_FORCE_LIMIT: usize = 64;
 
-/// Past this many primitives no render is asked to test each ray against all of them: a ray takes a tenth of a millisecond there.
+/// Past this many primitives nobody may ask to have each ray tested against all of them: there a ray takes some tenths of a
+/// millisecond (measured: .18 to .45 ns a primitive), and the lists 250 MB.
 pub const BRUTE_FORCE_MOST: usize = 1 << 20;
 
 /// How rays find geometry. The bits are the same.
@@ -18,9 +19,9 @@ pub enum GeometryMode {
     /// shadow rays as packets as far as they go together.
     #[value(skip)]
     Tree,
-    /// An 8-wide tree, every ray in a packet that walks it together (at 1 lane: of one ray).
+    /// An 8-wide tree, which the rays of every packet walk together (at 1 lane: each alone).
     Packet,
-    /// An 8-wide tree, every ray in a stream that are in flight together, each on its own way (at 1 lane: one at a time).
+    /// An 8-wide tree, which every ray walks on its own way, many in flight together (at 1 lane: each alone).
     Stream,
 }
 

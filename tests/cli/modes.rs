@@ -36,7 +36,7 @@ fn every_mode_gives_the_same_image_at_every_width() {
     }
 }
 
-/// The plan says what is done, and memory is of that alone.
+/// The plan says what is done, and a tree is there only where it is walked.
 #[test]
 fn plans_and_reports_name_the_mode() {
     let (scratch, names) = scenes();
@@ -46,9 +46,8 @@ fn plans_and_reports_name_the_mode() {
             let info = scratch.json(&[&["info", name, "--json", "-", "--quiet"][..], &asked].concat());
             let expected = mode.unwrap_or(planned);
             assert_eq!(info["plan"]["geometry"], expected, "{name}");
-            let bytes = |what: &str| info["memory"][what].as_u64().unwrap();
-            let has = (bytes("tree_bytes") > 0, bytes("list_bytes") > 0);
-            assert_eq!(has, (expected != "brute", expected == "brute"), "{name}, {mode:?}");
+            let has_tree = info["memory"]["tree_bytes"].as_u64().is_some_and(|bytes| bytes > 0);
+            assert_eq!(has_tree, expected != "brute", "{name}, {mode:?}");
             let bench = ["bench", name, "--windows", "1", "--seconds", "0.001", "--threads", "1", "--json", "-"];
             assert_eq!(scratch.json(&[&bench[..], &["--quiet"], &asked].concat())["geometry"], expected, "{name}");
         }
@@ -83,6 +82,26 @@ fn other_commands_take_it() {
     let variants = ["--variants", "packets: --mode packet; streams: --mode stream"];
     let output = scratch.run(&[&study[..], &variants].concat());
     assert!(output.status.success(), "{}", text(&output.stderr));
+}
+
+#[test]
+fn estimates_at_a_point_are_the_same() {
+    let (scratch, names) = scenes();
+    for name in names {
+        let means = |more: &[&str]| {
+            let study =
+                ["estimate", "illumination", "--scene", name, "--samples", "1,4", "--repeats", "8", "--json", "-"];
+            let report = scratch.json(&[&study[..], more].concat());
+            let cells = report["rows"].as_array().unwrap().iter().flat_map(|row| row["cells"].as_array().unwrap());
+            let means: Vec<_> = cells.map(|cell| cell["mean"]["value"].as_f64().unwrap()).collect();
+            (report["quantity"]["exact"].as_f64().unwrap(), means)
+        };
+        let expected = means(&[]);
+        assert!(expected.0 > 0.0 && expected.1.iter().any(|mean| *mean > 0.0), "{expected:?}");
+        for mode in MODES {
+            assert_eq!(means(&["--mode", mode]), expected, "{name}, {mode}");
+        }
+    }
 }
 
 /// States of different modes are of one render.

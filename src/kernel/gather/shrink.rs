@@ -142,7 +142,7 @@ fn watched(world: &World, job: &Job) -> (Watch, u64) {
         (Width::Sixteen, GeometryMode::Brute) => look_through::<f32x16, BruteForce>,
         (Width::Sixteen, _) => look_through::<f32x16, TreeTraversal>,
         (_, GeometryMode::Brute) => look_through::<f32x8, BruteForce>,
-        (_, _) => look_through::<f32x8, TreeTraversal>,
+        _ => look_through::<f32x8, TreeTraversal>,
     };
     look(world, job)
 }
