@@ -48,8 +48,8 @@ pub struct RenderArgs {
     /// With --error: choose the sample count from a discarded pilot, so that the estimate stays unbiased
     #[arg(long, requires = "error")]
     unbiased: bool,
-    /// Give tiles numbers of samples that lower the relative error most, each by what the first samples (a quarter at most) of the
-    /// tiles next to it tell: adds no bias. With --spp N they have N on average
+    /// Give tiles numbers of samples that lower the relative error most, each by what the first samples (a quarter, four at least) of
+    /// the tiles next to it tell: adds no bias. With --spp N they have N on average
     #[arg(long, conflicts_with_all = ["tile", "state", "resume", "samples", "ladder", "unbiased"])]
     adaptive: bool,
     /// Also write albedo.*, N.* and Z of the first hit, and bmc.variance.* where the scene gathers by bmc or bmc-is
@@ -134,7 +134,7 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     }
     if args.adaptive && outcome.adaptive.is_none() {
         log::warn!(
-            "--adaptive: the budget is too small for a pilot (16 samples a pixel are enough); all pixels have as many"
+            "--adaptive: the budget is too small for a pilot (5 samples a pixel are enough); all pixels have as many"
         );
     }
     let start = Instant::now();

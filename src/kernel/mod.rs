@@ -72,7 +72,7 @@ impl Traversal for TreeTraversal {
     type Shadow = Shadow;
 }
 
-/// As the world is built; for kernels that record, whose speed counts for less than their number.
+/// As the world is built, looked at once a call: for kernels whose number counts for more than that.
 pub struct AsBuilt;
 impl Traversal for AsBuilt {
     type Camera = Built<Packet>;
@@ -169,8 +169,7 @@ pub fn select(world: &World, width: Width) -> Kernel {
         (Estimator::Path, _, Shading::General) => widths!(width, path, [TreeTraversal, AllModels]),
         (Estimator::Gather, GeometryMode::Brute, _) => widths!(width, gather, [BruteForce]),
         (Estimator::Gather, _, _) => widths!(width, gather, [TreeTraversal]),
-        (Estimator::View, GeometryMode::Brute, _) => widths!(width, view, [BruteForce]),
-        (Estimator::View, _, _) => widths!(width, view, [TreeTraversal]),
+        (Estimator::View, _, _) => widths!(width, view, [AsBuilt]),
     }
 }
 
@@ -180,10 +179,7 @@ pub type LightKernel = fn(&World, &LightJob, &mut Vec<Splat>, &mut Counters);
 /// The kernel of light paths, of all models; `None` where the plan leaves them out.
 pub fn select_light(world: &World, width: Width) -> Option<LightKernel> {
     world.light_paths?;
-    Some(match world.plan.geometry {
-        GeometryMode::Brute => widths!(width, light, [BruteForce]),
-        _ => widths!(width, light, [TreeTraversal]),
-    })
+    Some(widths!(width, light, [AsBuilt]))
 }
 
 /// What is instantiated for an integrator.

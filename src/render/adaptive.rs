@@ -23,8 +23,8 @@ use rayon::prelude::*;
 use std::fmt;
 use std::time::Instant;
 
-/// The pilot takes at most one in so many samples: with fewer it overlooks edges, and the more of them are even, the fewer are left
-/// to be divided.
+/// The pilot takes at most one in so many samples, but one a group: with fewer it overlooks edges, and the more of them are even,
+/// the fewer are left to be divided.
 const PILOT_SHARE: u64 = 4;
 /// Of the seconds that are left: as it takes four times as many samples as before or stops, between an eighth and a half.
 const PILOT_TIME_SHARE: f64 = 0.5;
@@ -105,7 +105,7 @@ impl Rates {
     /// Samples that a tile of average rate may have.
     pub const MOST_SAMPLES: u64 = MAX_SAMPLES >> MOST;
 
-    /// By a pilot on an empty film, of a quarter of the samples at most, or half the time; `None` if that is too little for one, or the user
+    /// By a pilot on an empty film, of a quarter of the samples or a sample a group, or half the time; `None` if that is too little for one, or the user
     /// interrupts: the film is empty then, too. Its rays are added to `counters`. In the current thread pool.
     ///
     /// Light paths of the first samples come before it, to show how bright their light is. They are kept: pixels are given what
@@ -205,10 +205,10 @@ fn run(
     Some(pilot)
 }
 
-/// Samples of each group for a budget: a power of two.
+/// Samples of each group for a budget: a power of two; `None` where a pilot would leave nothing to be divided.
 fn group_samples(budget: u64) -> Option<u64> {
-    let most = (budget / (PILOT_SHARE * u64::from(GROUPS))).min(MOST_SAMPLES);
-    (most > 0).then(|| 1 << most.ilog2())
+    let most = (budget / (PILOT_SHARE * u64::from(GROUPS))).clamp(1, MOST_SAMPLES);
+    (budget > u64::from(GROUPS)).then(|| 1 << most.ilog2())
 }
 
 /// √(error of a pixel / rays of a sample), of the four tiles next to each; three of it: by all groups of the pilot, and by each

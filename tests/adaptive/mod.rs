@@ -139,13 +139,17 @@ fn a_tile_beside_black_takes_nothing_from_others() {
     assert_eq!(samples, [16, 64]);
 }
 
-/// Mean of the right half and its standard error over seeds, for 1.
-fn right_half(seeds: u64, kernel: &(impl Fn(&World, &Job, &mut SampleBuffer, &mut Counters) + Sync)) -> [f64; 2] {
+/// Mean of the right half of so many samples a pixel, and its standard error over seeds, for 1.
+fn right_half(
+    seeds: u64,
+    samples: u64,
+    kernel: &(impl Fn(&World, &Job, &mut SampleBuffer, &mut Counters) + Sync),
+) -> [f64; 2] {
     let mut world = renders::world(&frame(), 0);
     let (mut sum, mut squares) = (0.0, 0.0);
     for seed in 1..=seeds {
         world.seed = seed;
-        let film = adaptive(&world, 32, Width::native(), Some(kernel)).film;
+        let film = adaptive(&world, samples, Width::native(), Some(kernel)).film;
         let right = (0..SIDE).flat_map(|y| (SIDE / 2..SIDE).map(move |x| (x, y)));
         let mean = right.map(|(x, y)| film.mean(x, y)[0]).sum::<f64>() / f64::from(SIDE * SIDE / 2);
         sum += mean;
@@ -159,9 +163,11 @@ fn right_half(seeds: u64, kernel: &(impl Fn(&World, &Job, &mut SampleBuffer, &mu
 
 #[test]
 fn dividing_samples_adds_no_bias() {
-    let bound = stats::z_bound(2);
-    let [mean, error] = right_half(400, &kernel(rare_on_the_right));
-    assert!((mean - 1.0).abs() <= bound * error, "mean {mean} ± {error} for 1");
+    let bound = stats::z_bound(3);
+    for (seeds, samples) in [(400, 32), (1600, 8)] {
+        let [mean, error] = right_half(seeds, samples, &kernel(rare_on_the_right));
+        assert!((mean - 1.0).abs() <= bound * error, "{samples} samples: mean {mean} ± {error} for 1");
+    }
     // Were the tiles next to each other one, so that a tile in which the pilot found nothing had few samples and kept that mean,
     // it would be seen.
     let together = |world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters| {
@@ -175,7 +181,7 @@ fn dividing_samples_adds_no_bias() {
             }
         }
     };
-    let [mean, error] = right_half(1600, &together);
+    let [mean, error] = right_half(1600, 32, &together);
     assert!(mean < 1.0 - bound * error, "a bias of a tile that decides on itself is not seen: {mean} ± {error}");
 }
 
@@ -264,14 +270,14 @@ fn the_interval_of_the_bias_holds_where_pixels_share_their_errors() {
 
 #[test]
 fn too_few_samples_are_not_divided() {
-    let outcome = adaptive(&renders::world(&frame(), 1), 15, Width::native(), Some(&kernel(rare_on_the_right)));
-    assert!(outcome.adaptive.is_none() && !outcome.film.is_uneven() && outcome.film.samples() == 15);
+    let outcome = adaptive(&renders::world(&frame(), 1), 4, Width::native(), Some(&kernel(rare_on_the_right)));
+    assert!(outcome.adaptive.is_none() && !outcome.film.is_uneven() && outcome.film.samples() == 4);
 }
 
-/// A quarter of the samples is the pilot, by powers of two.
+/// A quarter of the samples is the pilot, by powers of two; of few samples four, a sample a group.
 #[test]
 fn the_pilot_takes_its_share() {
-    for (samples, pilot) in [(16, 4), (32, 8), (63, 8), (64, 16), (128, 32), (2048, 256)] {
+    for (samples, pilot) in [(5, 4), (8, 4), (16, 4), (32, 8), (63, 8), (64, 16), (128, 32), (2048, 256)] {
         let outcome =
             adaptive(&renders::world(&frame(), 1), samples, Width::native(), Some(&kernel(rare_on_the_right)));
         assert_eq!(outcome.adaptive.expect("a pilot").pilot_samples, pilot, "{samples} samples");
