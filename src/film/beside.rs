@@ -10,7 +10,7 @@ use super::error::FilmError;
 
 /// Runs `write` on a new file in the target's folder, then renames it to `path`. On an error the target is as it was
 /// and the new file is removed. A link is followed; something that is no regular file (`/dev/null`, a pipe) is written
-/// to directly, since renaming would replace it.
+/// to directly, since renaming would replace it. A file that nobody may write to stays, which renaming would not heed either.
 ///
 /// # Errors
 /// The folder or target cannot be written, or `write` failed; the message names `path`.
@@ -32,6 +32,9 @@ pub fn write_durably<E: ToString>(
     replace(path, true, write)
 }
 
+/// Of a file that is kept from being written to.
+const READ_ONLY: &str = "the file there is read-only; name another, or allow writing to it";
+
 /// Can a file be written there? Known by making and removing one beside it: better before hours of work than after them.
 ///
 /// # Errors
@@ -41,6 +44,7 @@ pub fn check_writable(path: &Path) -> Result<(), FilmError> {
     let beside = match fs::metadata(&target) {
         // A device or pipe: to open it may have effects of its own.
         Ok(meta) if !meta.is_file() => return Ok(()),
+        Ok(meta) if meta.permissions().readonly() => return Err(FilmError::write(path, READ_ONLY)),
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(FilmError::write(path, error)),
         _ => create_beside(&target).map_err(|error| FilmError::write(path, error))?.0,
     };
@@ -71,6 +75,9 @@ fn replace<E: ToString>(
     if existing.as_ref().is_some_and(|meta| !meta.is_file()) {
         let file = OpenOptions::new().write(true).open(path).map_err(|error| FilmError::write(path, error))?;
         return run(path, file, write).map(drop);
+    }
+    if existing.as_ref().is_some_and(|meta| meta.permissions().readonly()) {
+        return Err(FilmError::write(path, READ_ONLY));
     }
     // A link keeps pointing where it did: its target is what is replaced.
     let target = end_of_links(path);

@@ -130,6 +130,33 @@ fn what_cannot_be_written_is_known_before_rendering() {
     }
 }
 
+/// A file that nobody may write to stays as it is, be it named or the one that an image is written to where none is, and be the user
+/// one whom no mode stops.
+#[test]
+fn a_read_only_file_stays() {
+    let scratch = Scratch::new();
+    assert_eq!(
+        scratch.run(&["render", "scene.toml", "--spp", "1", "-o", "scene.exr", "--quiet"]).status.code(),
+        Some(0)
+    );
+    let mut permissions = std::fs::metadata(scratch.path("scene.exr")).unwrap().permissions();
+    permissions.set_readonly(true);
+    std::fs::set_permissions(scratch.path("scene.exr"), permissions).unwrap();
+    let kept = std::fs::read(scratch.path("scene.exr")).unwrap();
+    std::fs::rename(scratch.path("scene.toml"), scratch.path("scene.2.toml")).unwrap();
+    std::fs::copy(scratch.path("scene.exr"), scratch.path("scene.2.exr")).unwrap();
+    for arguments in [
+        &["render", "scene.2.toml", "--spp", "1"][..],
+        &["render", "scene.2.toml", "--spp", "1", "-o", "scene.exr"],
+        &["info", "scene.2.toml", "--json", "scene.exr"],
+    ] {
+        let said = refused(&scratch, arguments);
+        assert!(said.contains("read-only") && said.lines().count() == 1, "{arguments:?}: {said}");
+        assert!(std::fs::read(scratch.path("scene.exr")).unwrap() == kept, "{arguments:?}");
+        assert!(std::fs::read(scratch.path("scene.2.exr")).unwrap() == kept, "{arguments:?}");
+    }
+}
+
 /// A link to a file that is not there yet leads to where that file will be.
 #[cfg(unix)]
 #[test]
