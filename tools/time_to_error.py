@@ -23,10 +23,10 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 REFS = ROOT.parent / "shared" / "refs"
 # Budgets, targets of relMSE with the best peer's seconds there, and Mitsuba's C with independent samples.
 SCENES = {
-    "cornell": ("4,16,64,256,1024", {1e-3: 1.7, 1e-4: 13.0}, 0.273),
+    "cornell": ("4,8,16,64,256,1024", {1e-3: 1.7, 1e-4: 13.0}, 0.273),
     "cornell_direct": ("4,16,64,256,1024", {1e-5: 0.5}, 0.023),
     "veach_mis": ("4,16,64,256,1024", {1e-4: 2.0}, 0.438),
-    "env": ("4,16,64,256,1024", {1e-3: 1.1, 1e-4: 8.0}, 0.298),
+    "env": ("4,8,16,64,256,1024", {1e-3: 1.1, 1e-4: 8.0}, 0.298),
     "glass": ("16,64,256,1024", {1e-3: 43.0}, 2.65),
     "many_lights": ("1,4,16,64,256", {1e-2: 67.0}, 17.9),
     "door_ajar": ("16,64,256,1024", {1e-2: 14.0}, 24.9),

@@ -25,6 +25,7 @@ mod obj;
 mod obj_feed;
 mod obj_outline;
 mod obj_texcoords;
+mod obj_words;
 mod path_reuse;
 mod polygons;
 mod roulette;

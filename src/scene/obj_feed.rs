@@ -6,16 +6,14 @@
 
 use super::domain::FINITE;
 use super::error::SceneError;
-use super::obj_outline::{KINDS, MaterialUse, Outline, PolygonRun};
+use super::obj_outline::{MaterialUse, Outline, PolygonRun};
+use super::obj_words::{MOST, Wrong, broken, fail, indices, is_plain, number, words};
 use super::statements::Statements;
 use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::io::{BufRead, Read};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender};
-
-/// More of anything than this is an error: indices must fit 32 bits with [`NO_NORMAL`](super::NO_NORMAL) left over.
-const MOST: usize = u32::MAX as usize - 1;
 
 /// Bytes that are sent at once, about.
 const CHUNK: usize = 1 << 15;
@@ -66,7 +64,7 @@ impl<'a> Feed<'a> {
         Ok(())
     }
 
-    fn judge(&mut self, text: &str, outline: &mut Outline) -> Result<(), (String, String)> {
+    fn judge(&mut self, text: &str, outline: &mut Outline) -> Result<(), Wrong> {
         let text = text.trim();
         let (key, rest) = text.split_at(text.bytes().position(|b| b.is_ascii_whitespace()).unwrap_or(text.len()));
         match key {
@@ -96,61 +94,64 @@ impl<'a> Feed<'a> {
         }
     }
 
-    fn position(&mut self, rest: &str, outline: &mut Outline) -> Result<(), (String, String)> {
-        self.ready.push('v');
+    fn position(&mut self, rest: &str, outline: &mut Outline) -> Result<(), Wrong> {
         let mut words = words(rest);
         for _ in 0..3 {
             let word = words.next().ok_or_else(|| broken("a vertex has three coordinates", "give x, y and z"))?;
-            if number(word).and_then(|x| FINITE.admit(x)).is_none() {
+            if !is_plain(word) && number(word).and_then(|x| FINITE.admit(x)).is_none() {
                 return fail(format!("`{word}` is not a finite number"), "give finite vertex coordinates");
             }
-            self.ready.push(' ');
-            self.ready.push_str(word);
         }
-        self.ready.push('\n');
         match words.next().map(number) {
             None | Some(Some(1.0)) => {}
             _ => outline.pass_over("v", self.line, "what follows x y z (weight or colour) is not used"),
         }
+        self.put_words("v", rest, 3);
         outline.positions += 1;
         within_32_bits(outline.positions, "vertices")
     }
 
-    fn normal(&mut self, rest: &str, outline: &mut Outline) -> Result<(), (String, String)> {
-        self.ready.push_str("vn");
+    fn normal(&mut self, rest: &str, outline: &mut Outline) -> Result<(), Wrong> {
         let mut words = words(rest);
         for _ in 0..3 {
             let word = words.next().ok_or_else(|| broken("a normal has three components", "give x, y and z"))?;
             // NaN and infinity pass: exporters write them for degenerate faces, which are then shaded flat.
-            if number(word).is_none() {
+            if !is_plain(word) && number(word).is_none() {
                 return fail(format!("`{word}` is not a number"), "give three numbers, or leave the normal out");
             }
-            self.ready.push(' ');
-            self.ready.push_str(word);
         }
-        self.ready.push('\n');
+        self.put_words("vn", rest, 3);
         outline.normals += 1;
         within_32_bits(outline.normals, "normals")
     }
 
-    fn face(&mut self, rest: &str, outline: &mut Outline) -> Result<(), (String, String)> {
-        self.ready.push('f');
-        let (mut corners, mut with_normal) = (0, 0);
-        for corner in words(rest) {
-            let [position, _, normal] = indices(corner, self.line, outline)?;
-            let Some(position) = position else {
-                return fail(format!("face corner `{corner}` names no vertex"), "write vertex[/texture[/normal]]");
-            };
-            corners += 1;
-            self.ready.push(' ');
-            position.write(&mut self.ready);
-            if let Some(normal) = &normal {
-                self.ready.push_str("//");
-                normal.write(&mut self.ready);
-            }
-            with_normal += usize::from(normal.is_some());
-        }
+    /// A line of the first `count` words of `rest` as they stand: in one go, since most lines are longer to write than to judge.
+    fn put_words(&mut self, key: &str, rest: &str, count: usize) {
+        let end =
+            words(rest).take(count).last().map_or(0, |word| word.as_ptr().addr() - rest.as_ptr().addr() + word.len());
+        self.ready.push_str(key);
+        self.ready.push_str(&rest[..end]);
         self.ready.push('\n');
+    }
+
+    fn face(&mut self, rest: &str, outline: &mut Outline) -> Result<(), Wrong> {
+        let (mut corners, mut with_normal, mut with_texture) = (0, 0, false);
+        for corner in words(rest) {
+            let [position, texture, normal] = indices(corner, self.line, outline)?;
+            if !position {
+                return fail(format!("face corner `{corner}` names no vertex"), "write vertex[/texture[/normal]]");
+            }
+            corners += 1;
+            with_normal += usize::from(normal);
+            with_texture |= texture;
+        }
+        if with_texture {
+            self.ready.push('f');
+            words(rest).for_each(|corner| self.put_untextured(corner));
+            self.ready.push('\n');
+        } else {
+            self.put_words("f", rest, corners);
+        }
         if corners < 3 {
             return fail(format!("a face has at least 3 corners, this one {corners}"), "remove it or complete it");
         }
@@ -179,7 +180,18 @@ impl<'a> Feed<'a> {
         within_32_bits(outline.triangles, "triangles")
     }
 
-    fn material(&mut self, name: &str, outline: &mut Outline) -> Result<(), (String, String)> {
+    /// A corner that was judged, without its texture coordinate.
+    fn put_untextured(&mut self, corner: &str) {
+        let mut parts = corner.split('/');
+        self.ready.push(' ');
+        self.ready.push_str(parts.next().unwrap_or_default());
+        if let Some(normal) = parts.nth(1).filter(|normal| !normal.is_empty()) {
+            self.ready.push_str("//");
+            self.ready.push_str(normal);
+        }
+    }
+
+    fn material(&mut self, name: &str, outline: &mut Outline) -> Result<(), Wrong> {
         if name.is_empty() {
             return fail("`usemtl` names no material", "name one after it, or remove the line");
         }
@@ -204,7 +216,7 @@ impl<'a> Feed<'a> {
     }
 }
 
-fn texcoord(rest: &str, outline: &mut Outline) -> Result<(), (String, String)> {
+fn texcoord(rest: &str, outline: &mut Outline) -> Result<(), Wrong> {
     if words(rest).next().and_then(number).is_none() {
         return fail("a texture coordinate starts with a number", "give u and v");
     }
@@ -212,78 +224,8 @@ fn texcoord(rest: &str, outline: &mut Outline) -> Result<(), (String, String)> {
     within_32_bits(outline.texcoords, "texture coordinates")
 }
 
-/// An index counted from 1, and how the file wrote it.
-struct Index<'a> {
-    absolute: usize,
-    word: &'a str,
-}
-
-impl Index<'_> {
-    /// As it stands, where it does not count back: numbers take longer to write than to copy.
-    fn write(&self, ready: &mut String) {
-        if self.word.starts_with('-') {
-            // Writing to a String cannot fail.
-            let _ = write!(ready, "{}", self.absolute);
-        } else {
-            ready.push_str(self.word);
-        }
-    }
-}
-
-/// The indices of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, made absolute.
-fn indices<'a>(
-    corner: &'a str,
-    line: usize,
-    outline: &mut Outline,
-) -> Result<[Option<Index<'a>>; 3], (String, String)> {
-    let defined = [outline.positions, outline.texcoords, outline.normals];
-    let mut found = [const { None }; 3];
-    for (kind, word) in corner.split('/').enumerate() {
-        if kind > 2 {
-            return fail(format!("face corner `{corner}` has too many parts"), "write vertex[/texture[/normal]]");
-        }
-        if word.is_empty() {
-            continue;
-        }
-        let what = KINDS[kind];
-        let Ok(index) = word.parse::<i64>() else {
-            return fail(format!("`{word}` is not a {what} index"), "write a whole number, from 1 or negative");
-        };
-        let absolute = if index < 0 { defined[kind] as i64 + 1 + index.max(-(MOST as i64)) } else { index };
-        if absolute <= 0 || absolute > MOST as i64 {
-            return fail(
-                format!("{what} {index} does not exist: {} are defined so far", defined[kind]),
-                "count from 1, or back from -1 for the latest",
-            );
-        }
-        found[kind] = Some(Index { absolute: absolute as usize, word });
-        if absolute as usize > outline.largest[kind].0 {
-            outline.largest[kind] = (absolute as usize, line);
-        }
-    }
-    Ok(found)
-}
-
-/// The words of a line of numbers; a comment may end it.
-fn words(rest: &str) -> impl Iterator<Item = &str> {
-    rest.split_ascii_whitespace().take_while(|word| !word.starts_with('#'))
-}
-
-/// As tobj will read it: in single precision.
-fn number(word: &str) -> Option<f64> {
-    word.parse::<f32>().ok().map(f64::from)
-}
-
-fn within_32_bits(count: usize, what: &str) -> Result<(), (String, String)> {
+fn within_32_bits(count: usize, what: &str) -> Result<(), Wrong> {
     if count > MOST { fail(format!("more than {MOST} {what}"), "split the model") } else { Ok(()) }
-}
-
-fn broken(message: impl Into<String>, mend: impl Into<String>) -> (String, String) {
-    (message.into(), mend.into())
-}
-
-fn fail<T>(message: impl Into<String>, mend: impl Into<String>) -> Result<T, (String, String)> {
-    Err(broken(message, mend))
 }
 
 /// What tobj reads: the lines that a [`Feed`] sends.
