@@ -5,7 +5,8 @@
     python3 tools/time_to_error.py [--seeds 4] [--scenes cornell,env] [--adaptive | --without] [--json FILE] [-o DIR]
 
 Runs `octolux converge` on each scene of ../shared/refs (reports stay in DIR) and prints a Markdown table with 95 %
-intervals: rendering alone, and the wall clock from exec to closed file. The peers' seconds are those of
+intervals: rendering alone, and the wall clock from exec to closed file (what is not rendering is the median of seven starts
+of `octolux render`). The peers' seconds are those of
 ../shared/refs/README.md, measured on another machine; tools/peer_mitsuba.py re-measures Mitsuba's paths a second here, and
 its paths to the error follow from C = relMSE·samples, which no machine changes. With --adaptive, samples are divided by a
 pilot (whose paths and seconds count). With --without, the same by renders that go without one of what makes the difference,
@@ -15,6 +16,7 @@ import argparse
 import json
 import math
 import pathlib
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -55,6 +57,23 @@ def measure(scene, budgets, arguments, variants=()):
     if done.returncode != 0:
         sys.exit(f"{' '.join(command)}: {done.stderr.strip()}")
     return json.loads((folder / "report.json").read_text())
+
+
+def starts(scene, adaptive, count=7):
+    """Seconds from exec to closed file that are not rendering: the median over so many starts of `octolux render`."""
+    command = [str(ROOT / "target" / "release" / "octolux"), "render", str(REFS / scene / "scene.toml"), "--spp", "8", "--quiet",
+               "--json", "-", *(["--adaptive"] if adaptive else [])]
+    with tempfile.TemporaryDirectory() as folder:
+        reports = []
+        for _ in range(count):
+            done = subprocess.run([*command, "-o", f"{folder}/image.exr"], capture_output=True, text=True, check=True)
+            reports.append(json.loads(done.stdout))
+    return statistics.median(report["wall_seconds"] - report["render_seconds"] for report in reports)
+
+
+def beside_rendering(reached, seconds):
+    """What was reached so many seconds later."""
+    return {key: value + seconds if key in ("budget", "lo", "hi") and value else value for key, value in reached.items()}
 
 
 def cell(reached):
@@ -133,8 +152,10 @@ def main():
         report = measure(scene, budgets, arguments)
         pixels = report["width"] * report["height"]
         variant = report["variants"][0]
+        beside = starts(scene, arguments.adaptive)
         for relmse, peer in targets.items():
             target = target_of(variant, relmse)
+            target["wall_seconds"] = target["seconds"] and beside_rendering(target["seconds"], beside)
             paths = target["paths"]
             share = f"1/{c / target['relmse'] * pixels / paths['budget']:.3g}" if paths else "–"
             print(f"| {scene} | {target['relmse']:g} | {cell(target['seconds'])} | {cell(target['wall_seconds'])} "
