@@ -196,8 +196,8 @@ impl Lights {
         sample
     }
 
-    /// An emitting primitive chosen by power among those with an area, for paths that start there, with its radiance, and what
-    /// the choice leaves of `u`, extended by `fine`, for the point on it. Of no meaning where there is none.
+    /// An emitting primitive chosen by power among those with an area, for paths that start there, with its radiance, and a
+    /// [place](LightSample::place) uniform on it; `fine` goes on where the digits of `u` end. Of no meaning where there is none.
     #[inline(always)]
     pub fn choose_emitter<R: Real>(&self, u: [R; 2], fine: R) -> (R::Bits, Vec3<R>, [R; 2]) {
         let area = self.area.as_ref();
@@ -244,7 +244,7 @@ impl Lights {
 
 #[inline(always)]
 fn sample_area<R: Real>(area: &AreaLights, p: Vec3<R>, table: Option<R::Bits>, u: [R; 2], fine: R) -> LightSample<R> {
-    let AreaSample { point, radiance, primitive, u } = area.sample(p, table, u, fine);
+    let AreaSample { point, radiance, primitive, place } = area.sample(p, table, u, fine);
     LightSample {
         wi: point.wi,
         target: point.target,
@@ -255,7 +255,7 @@ fn sample_area<R: Real>(area: &AreaLights, p: Vec3<R>, table: Option<R::Bits>, u
         pdf: point.pdf,
         is_environment: R::Mask::splat(false),
         primitive,
-        u,
+        place,
     }
 }
 

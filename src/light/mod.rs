@@ -19,6 +19,7 @@ mod grid;
 mod image;
 mod inversion;
 mod lights;
+mod pairs;
 mod reach;
 mod sample;
 mod sphere;
@@ -31,7 +32,7 @@ pub use lights::{ENVIRONMENT_PROBABILITY, Lights};
 pub use reach::{FEW_EMITTERS, Reach};
 pub use sample::{DELTA_LIGHT, LightSample, NO_PRIMITIVE};
 pub use sphere::sphere_pdf;
-pub use triangle::{triangle_barycentrics, triangle_pdf};
+pub use triangle::triangle_pdf;
 
 use thiserror::Error;
 

@@ -28,8 +28,8 @@ pub struct LightSample<R: Real> {
     pub is_environment: R::Mask,
     /// The emitting primitive, [`DELTA_LIGHT`] or [`NO_PRIMITIVE`].
     pub primitive: R::Bits,
-    /// On a primitive: what the point was sampled by, see [`triangle_barycentrics`](super::triangle_barycentrics).
-    pub u: [R; 2],
+    /// Of the point on a triangle, the weights of vertices 1 and 2; on a sphere, the numbers it was sampled by.
+    pub place: [R; 2],
 }
 
 /// A point on an area light as its shape produces it.
@@ -75,7 +75,7 @@ impl<R: Real> LightSample<R> {
             pdf: R::zero(),
             is_environment: R::Mask::splat(false),
             primitive: R::Bits::splat(NO_PRIMITIVE),
-            u: [R::zero(); 2],
+            place: [R::zero(); 2],
         }
     }
 
@@ -102,7 +102,7 @@ impl<R: Real> LightSample<R> {
             pdf: R::select(mask, a.pdf, b.pdf),
             is_environment: (a.is_environment & mask) | (b.is_environment & !mask),
             primitive: R::Bits::select(mask, a.primitive, b.primitive),
-            u: [R::select(mask, a.u[0], b.u[0]), R::select(mask, a.u[1], b.u[1])],
+            place: [0, 1].map(|k| R::select(mask, a.place[k], b.place[k])),
         }
     }
 }

@@ -8,6 +8,7 @@ mod environment;
 mod grid;
 mod image;
 mod irradiance;
+mod pairs;
 mod reach;
 mod scenes;
 mod sphere;
