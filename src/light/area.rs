@@ -7,29 +7,15 @@ use super::grid::{ChoiceGrid, MANY_LIGHTS, Receivers};
 use super::inversion::Choice;
 use super::pairs::{self, Paired};
 use super::reach::Reach;
+use super::row::{CENTER, E1, E2, LaneRows, NG, P0, PDF_ROW, RADIANCE, RADIUS, Row, row};
 use super::sample::LightPoint;
-use super::sphere::{self, sphere_pdf};
-use super::triangle::{self, Triangle, triangle_pdf};
+use super::sphere::sphere_pdf;
+use super::triangle::triangle_pdf;
 use super::{Emitter, EmitterShape, LightError};
 use crate::geometry::Rows;
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
 use crate::sampling::warp;
 use std::f64::consts::PI;
-
-/// What a lane needs to sample one emitter: one cache line.
-///
-/// Triangle: p0, e1, e2, unit front normal, radiance, choice probability / area.
-/// Sphere: centre, radius, –, radiance, choice probability.
-type Row = [f32; 16];
-
-const P0: usize = 0;
-const E1: usize = 3;
-const E2: usize = 6;
-const NG: usize = 9;
-const CENTER: usize = 0;
-const RADIUS: usize = 3;
-const RADIANCE: usize = 12;
-const PDF_ROW: usize = 15;
 
 /// A point on an area light.
 pub(super) struct AreaSample<R: Real> {
@@ -280,84 +266,4 @@ impl AreaLights {
 /// The lamp that a row is of, where the first rows are `pairs`.
 fn lamp_of(row: usize, pairs: usize) -> usize {
     if row < 2 * pairs { row / 2 } else { row - pairs }
-}
-
-/// The rows that the lanes look at, a register a field.
-struct LaneRows<R>([R; 16]);
-
-impl<R: Real> LaneRows<R> {
-    #[inline(always)]
-    fn field(&self, k: usize) -> R {
-        self.0[k]
-    }
-
-    #[inline(always)]
-    fn vector(&self, k: usize) -> Vec3<R> {
-        Vec3::new(self.field(k), self.field(k + 1), self.field(k + 2))
-    }
-
-    #[inline(always)]
-    fn sample_triangle(&self, origin: Vec3<R>, weights: [R; 2]) -> LightPoint<R> {
-        let light = Triangle { p0: self.vector(P0), e1: self.vector(E1), e2: self.vector(E2), ng: self.vector(NG) };
-        triangle::at(&light, self.field(PDF_ROW), origin, weights)
-    }
-
-    #[inline(always)]
-    fn sample_sphere(&self, origin: Vec3<R>, u: [R; 2]) -> LightPoint<R> {
-        sphere::sample(self.vector(CENTER), self.field(RADIUS), self.field(PDF_ROW), origin, u)
-    }
-}
-
-fn row(emitter: &Emitter, probability: f64) -> Row {
-    let mut row = [0.0; 16];
-    match emitter.shape {
-        EmitterShape::Triangle { p0, e1, e2 } => {
-            row[P0..P0 + 3].copy_from_slice(&p0);
-            row[E1..E1 + 3].copy_from_slice(&e1);
-            row[E2..E2 + 3].copy_from_slice(&e2);
-            let normal = cross(e1, e2);
-            let twice_area = length(normal);
-            for k in 0..3 {
-                row[NG + k] = (normal[k] / twice_area) as f32;
-            }
-            row[PDF_ROW] = (probability / (0.5 * twice_area)) as f32;
-        }
-        EmitterShape::Sphere { center, radius } => {
-            row[CENTER..CENTER + 3].copy_from_slice(&center);
-            row[RADIUS] = radius;
-            row[PDF_ROW] = probability as f32;
-        }
-    }
-    row[RADIANCE..RADIANCE + 3].copy_from_slice(&emitter.radiance);
-    row
-}
-
-impl Emitter {
-    /// Area in square units of the scene, in f64.
-    pub fn area(&self) -> f64 {
-        match self.shape {
-            EmitterShape::Triangle { e1, e2, .. } => 0.5 * length(cross(e1, e2)),
-            EmitterShape::Sphere { radius, .. } => 4.0 * PI * f64::from(radius) * f64::from(radius),
-        }
-    }
-
-    /// π · area · radiance, the mean over the channels: what the light is chosen by. The mean, not luminance, because
-    /// errors are measured per channel: a blue lamp deserves its samples.
-    pub fn power(&self) -> f64 {
-        let mean = self.radiance.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
-        PI * self.area() * mean
-    }
-
-    pub(super) fn is_sphere(&self) -> bool {
-        matches!(self.shape, EmitterShape::Sphere { .. })
-    }
-}
-
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f64; 3] {
-    let ([a0, a1, a2], [b0, b1, b2]) = (a.map(f64::from), b.map(f64::from));
-    [a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0]
-}
-
-fn length(v: [f64; 3]) -> f64 {
-    v.iter().map(|c| c * c).sum::<f64>().sqrt()
 }
