@@ -9,6 +9,7 @@ use super::pairs::{self, Paired};
 use super::reach::Reach;
 use super::row::{CENTER, E1, E2, LaneRows, NG, P0, PDF_ROW, RADIANCE, RADIUS, Row, row};
 use super::sample::LightPoint;
+use super::slope::{Sloped, Slopes};
 use super::sphere::sphere_pdf;
 use super::triangle::triangle_pdf;
 use super::{Emitter, EmitterShape, LightError};
@@ -33,6 +34,8 @@ struct Place<R: Real> {
     is_sphere: R::Mask,
     /// See [`LightSample::place`](super::LightSample::place).
     at: [R; 2],
+    /// See [`Sloped`].
+    stretch: R,
 }
 
 pub(super) struct AreaLights {
@@ -43,6 +46,8 @@ pub(super) struct AreaLights {
     names: Rows<2>,
     /// So many pairs of rows come first, each a lamp of its own; every other row is one.
     pairs: usize,
+    /// `None` where lamps are sampled evenly.
+    slopes: Option<Slopes>,
     first_sphere: usize,
     choice: ByPower,
     /// Of each lamp, by power, area lights' share left out.
@@ -78,7 +83,7 @@ impl AreaLights {
         let names: Vec<[f32; 2]> =
             primitives.iter().zip(corners).map(|(&p, corner)| [f32::from_bits(p), corner]).collect();
         let (rows, names) = (Rows::new(&rows), Rows::new(&names));
-        Ok(Some(Self { rows, primitives, names, pairs, first_sphere, choice, probability, grid: None }))
+        Ok(Some(Self { rows, primitives, names, pairs, slopes: None, first_sphere, choice, probability, grid: None }))
     }
 
     /// From now on lights can be chosen by place too, if they are many.
@@ -94,6 +99,18 @@ impl AreaLights {
             }
             Grid { choice, lamp_of: lamps }
         });
+    }
+
+    /// From now on numbers of pairs can follow a [slope](Slopes).
+    pub(super) fn add_slopes(&mut self) {
+        let vertices = |lamp: usize| {
+            let (row, [_, corner]) = (self.rows.row(2 * lamp), *self.names.row(2 * lamp));
+            let vector = |k: usize| glam::DVec3::new(row[k].into(), row[k + 1].into(), row[k + 2].into());
+            let vertices = [vector(P0), vector(P0) + vector(E1), vector(P0) + vector(E2)];
+            [0, 1, 2].map(|k| vertices[(corner as usize + k) % 3])
+        };
+        let slopes = (self.pairs > 0).then(|| Slopes::of((0..self.pairs).map(vertices)));
+        self.slopes = slopes;
     }
 
     fn lamp(&self, i: usize) -> Lamp {
@@ -162,16 +179,25 @@ impl AreaLights {
 
     pub(super) fn memory(&self) -> usize {
         let grid = self.grid.as_ref().map_or(0, |grid| grid.choice.memory() + size_of_val(&*grid.lamp_of));
-        self.rows.bytes() + size_of_val(&*self.primitives) + self.names.bytes() + self.choice.memory() + grid
+        let slopes = self.slopes.as_ref().map_or(0, Slopes::bytes);
+        self.rows.bytes() + slopes + size_of_val(&*self.primitives) + self.names.bytes() + self.choice.memory() + grid
     }
 
-    /// A point on a light as seen from `origin`: by power, or from a `table` of the grid.
+    /// A point on a light as seen from `origin`: by power, or from a `table` of the grid; along slopes, where there are any, for
+    /// a receiver that is lit from the side of `facing`.
     ///
     /// `u[0]` chooses the lamp, and what is left of it, extended by `fine`, is the first number of the point: neighbours
     /// in the list are then neighbours in the square of the two numbers, which lists the lamps' surfaces without a seam
     /// that a low-discrepancy sampler would not see. A lamp of two triangles is sampled [as one](Paired).
     #[inline(always)]
-    pub(super) fn sample<R: Real>(&self, origin: Vec3<R>, table: Option<R::Bits>, u: [R; 2], fine: R) -> AreaSample<R> {
+    pub(super) fn sample<R: Real>(
+        &self,
+        origin: Vec3<R>,
+        facing: Option<Vec3<R>>,
+        table: Option<R::Bits>,
+        u: [R; 2],
+        fine: R,
+    ) -> AreaSample<R> {
         let (Choice { entry: lamp, rest }, ratio) = match (&self.grid, table) {
             (Some(grid), Some(table)) => {
                 let choice = grid.choice.choose(table, u[0], fine);
@@ -180,7 +206,8 @@ impl AreaLights {
             }
             _ => (self.choice.choose(u, fine), None),
         };
-        let Place { row, primitive, is_sphere, at } = self.place(lamp, [rest, u[1]]);
+        let receiver = facing.map(|n| (origin, n));
+        let Place { row, primitive, is_sphere, at, stretch } = self.place(lamp, receiver, [rest, u[1]]);
         let rows = self.fetch(row);
         let mut point = if self.first_sphere == self.len() {
             rows.sample_triangle(origin, at)
@@ -192,24 +219,29 @@ impl AreaLights {
         if let Some(ratio) = ratio {
             point.pdf = point.pdf * ratio;
         }
-        AreaSample { point, radiance: rows.vector(RADIANCE), primitive, place: at }
+        AreaSample { point, radiance: rows.vector(RADIANCE) * stretch, primitive, place: at }
     }
 
     /// A primitive chosen by power, its radiance, and the place on it.
     #[inline(always)]
     pub(super) fn choose<R: Real>(&self, u: [R; 2], fine: R) -> (R::Bits, Vec3<R>, [R; 2]) {
         let Choice { entry: lamp, rest } = self.choice.choose(u, fine);
-        let Place { row, primitive, at, .. } = self.place(lamp, [rest, u[1]]);
+        let Place { row, primitive, at, .. } = self.place(lamp, None, [rest, u[1]]);
         (primitive, self.fetch::<R>(row).vector(RADIANCE), at)
     }
 
     /// The place that two numbers mean on a lamp. What none of the lamps needs is not computed.
     #[inline(always)]
-    fn place<R: Real>(&self, lamp: R::Bits, u: [R; 2]) -> Place<R> {
-        let (mut row, mut second) = (lamp, R::Mask::splat(false));
+    fn place<R: Real>(&self, lamp: R::Bits, receiver: Option<(Vec3<R>, Vec3<R>)>, mut u: [R; 2]) -> Place<R> {
+        let (mut row, mut second, mut stretch) = (lamp, R::Mask::splat(false), R::one());
         if self.pairs > 0 {
             let pairs = R::Bits::splat(self.pairs as u32);
             let paired = lamp.lt(pairs);
+            if let (Some(slopes), Some((p, n))) = (&self.slopes, receiver) {
+                let sloped: Sloped<R> = slopes.lean(lamp, paired, p, n, u);
+                u = [0, 1].map(|k| R::select(paired, sloped.u[k], u[k]));
+                stretch = R::select(paired, sloped.stretch, stretch);
+            }
             second = paired & pairs::in_second(u);
             let one = R::Bits::select(second, R::Bits::splat(1), R::Bits::splat(0));
             row = lamp + R::Bits::select(paired, lamp + one, pairs);
@@ -227,7 +259,7 @@ impl AreaLights {
         if self.first_sphere < self.len() {
             at = [0, 1].map(|k| R::select(is_sphere, u[k], at[k]));
         }
-        Place { row, primitive: primitive.to_bits(), is_sphere, at }
+        Place { row, primitive: primitive.to_bits(), is_sphere, at, stretch }
     }
 
     #[inline(always)]

@@ -24,6 +24,7 @@ mod pairs;
 mod reach;
 mod row;
 mod sample;
+mod slope;
 mod sphere;
 mod triangle;
 

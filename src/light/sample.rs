@@ -20,9 +20,10 @@ pub struct LightSample<R: Real> {
     pub ng: Vec3<R>,
     /// To `target`; infinite for the environment and directional lights.
     pub distance: R,
+    /// Radiance, times how much of the density `pdf` the sample makes up for: 1 but [along slopes](super::Lights::add_slopes).
     /// Of a light without extent, what arrives per unit of area across `wi`.
     pub radiance: Vec3<R>,
-    /// In solid angle, the choice of light included. Of a light without extent, the probability of the choice.
+    /// In solid angle, the choice of light included, as hits are weighed by. Of a light without extent, the probability of the choice.
     pub pdf: R,
     /// Does `wi` lead out of the scene? To the environment or to a directional light.
     pub is_environment: R::Mask,

@@ -11,6 +11,7 @@ mod irradiance;
 mod pairs;
 mod reach;
 mod scenes;
+mod slope;
 mod sphere;
 mod widths;
 

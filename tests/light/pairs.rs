@@ -215,7 +215,7 @@ fn a_grid_chooses_whole_lamps() {
         };
         assert!((0..3).all(|i| ratio(2 * i) <= ratio(2 * nearest)));
         for _ in 0..200 {
-            let s = lights.sample_from(p, Some(table), rng.f32(), [rng.f32(), rng.f32()], true);
+            let s = lights.sample_from(p, None, Some(table), rng.f32(), [rng.f32(), rng.f32()], true);
             let cos = -s.wi.dot(s.ng);
             let again = lights.pdf_area::<f32>(s.primitive, p, s.distance, cos) * ratio(s.primitive.0) as f32;
             assert!((s.pdf / again - 1.0).abs() < 1e-6, "{} and {again}", s.pdf);
