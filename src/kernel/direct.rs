@@ -54,7 +54,7 @@ pub(super) fn sample_direct<R: Real, S: Shade, P: Probe>(
     }
     let u_position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
     let facing = if world.plan.sloped_lamps { lit_from(surface, wo) } else { Vec3::zero() };
-    let mut light = shade.sample_light(world, surface.at.p, facing, paths.table, u[LIGHT_CHOICE], u_position, lit);
+    let mut light = shade.sample_light(world, [surface.at.p, facing], paths.table, u[LIGHT_CHOICE], u_position, lit);
     if world.plan.patterned_lights {
         pattern::look_up(world, &mut light, lit);
     }

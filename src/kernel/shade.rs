@@ -54,8 +54,7 @@ pub trait Shade: Sync {
     fn sample_light<R: Real>(
         &self,
         world: &World,
-        p: Vec3<R>,
-        facing: Vec3<R>,
+        [p, facing]: [Vec3<R>; 2],
         table: R::Bits,
         u_choice: R,
         u: [R; 2],
