@@ -128,6 +128,8 @@ pub struct Plan {
     pub last_by_lights: bool,
     /// Is there a table of them for each part of the scene? The same in the general kernel: it decides on samples.
     pub light_grid: bool,
+    /// Are lamps sampled more where they send more to a receiver? The same in the general kernel: it decides on samples.
+    pub sloped_lamps: bool,
     /// Point, spot and directional lights.
     pub delta_lights: bool,
     /// Are paths traced from the lights, too? The same in the general kernel: it decides on samples.

@@ -53,7 +53,8 @@ pub(super) fn sample_direct<R: Real, S: Shade, P: Probe>(
         return;
     }
     let u_position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
-    let mut light = shade.sample_light(world, surface.at.p, paths.table, u[LIGHT_CHOICE], u_position, lit);
+    let facing = if world.plan.sloped_lamps { lit_from(surface, wo) } else { Vec3::zero() };
+    let mut light = shade.sample_light(world, [surface.at.p, facing], paths.table, u[LIGHT_CHOICE], u_position, lit);
     if world.plan.patterned_lights {
         pattern::look_up(world, &mut light, lit);
     }
@@ -89,6 +90,13 @@ pub(super) fn sample_direct<R: Real, S: Shade, P: Probe>(
     if carries.any() {
         shadows.push(carries, &pack_shadows(&light_ray(surface, &light), contribution, slot, paths.bounce));
     }
+}
+
+/// The shading normal on the side of the viewer where no other is lit from; 0 elsewhere.
+#[inline(always)]
+fn lit_from<R: Real>(surface: &Surface<R>, wo: Vec3<R>) -> Vec3<R> {
+    let facing = Vec3::select(wo.z.gt(R::zero()), surface.ns, -surface.ns);
+    facing.masked(surface.material.is_lambert())
 }
 
 /// Lanes that lie behind the point of a sphere that was sampled. Spheres shine outwards; but of a point on the inside of one rounding

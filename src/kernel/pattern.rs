@@ -5,7 +5,7 @@ use super::texture::{EMISSION, OPACITY, OPACITY_MAP};
 use super::world::World;
 use crate::geometry::Hit;
 use crate::lane::{Bits, Mask, Real, Vec3};
-use crate::light::{LightSample, triangle_barycentrics};
+use crate::light::LightSample;
 use crate::scene::{Material, NO_TEXCOORD, Scene};
 use std::f64::consts::PI;
 
@@ -103,8 +103,8 @@ pub fn look_up<R: Real>(world: &World, light: &mut LightSample<R>, active: R::Ma
         return;
     }
     let spheres = patterned & world.on_sphere::<R>(light.primitive);
-    let [b1, b2] = triangle_barycentrics(light.u);
-    let hit = Hit { t: R::zero(), primitive: light.primitive, u: b1, v: b2 };
+    let [u, v] = light.place;
+    let hit = Hit { t: R::zero(), primitive: light.primitive, u, v };
     let mut uv = on_triangle(world, &hit, patterned & !spheres).uv;
     if spheres.any() {
         let of_sphere = on_sphere(light.ng);

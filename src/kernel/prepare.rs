@@ -192,6 +192,9 @@ fn build_lights(
     let samples = if plan.compensated_sky { SkySamples::Compensated } else { SkySamples::Alone };
     let sky = environment.and_then(|sky| EnvironmentMap::sampled(sky, samples));
     let mut lights = Lights::with_delta(emitters, sky, delta, extent(scale, positions, spheres))?;
+    if plan.sloped_lamps {
+        lights.add_slopes();
+    }
     if plan.light_grid {
         lights.add_grid(&Receivers { positions, triangles: &scene.mesh.triangles, spheres });
     }

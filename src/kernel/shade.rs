@@ -48,20 +48,20 @@ pub trait Shade: Sync {
         surface.material.is_delta::<Self::Models>()
     }
 
-    /// A sample of some light as seen from `p`, by the `table` of its place where the lights have a grid; without
+    /// A sample of some light as seen from `p`, lit from the side of `facing` (see [`Lights::sample_from`](crate::light::Lights::sample_from)), by the `table` of its place where the lights have a grid; without
     /// density where nothing shines.
     #[inline(always)]
     fn sample_light<R: Real>(
         &self,
         world: &World,
-        p: Vec3<R>,
+        [p, facing]: [Vec3<R>; 2],
         table: R::Bits,
         u_choice: R,
         u: [R; 2],
         active: R::Mask,
     ) -> LightSample<R> {
         match &world.lights {
-            Some(lights) => sample_one_of(lights, p, Some(table), u_choice, u, active),
+            Some(lights) => sample_one_of(lights, p, Some(&facing), Some(table), u_choice, u, active),
             None => LightSample::none(),
         }
     }

@@ -99,7 +99,7 @@ impl World {
         u: [R; 2],
         active: R::Mask,
     ) -> Option<LightSample<R>> {
-        Some(sample_one_of(self.lights.as_ref()?, p, table, u_choice, u, active))
+        Some(sample_one_of(self.lights.as_ref()?, p, None, table, u_choice, u, active))
     }
 
     /// Lanes whose primitive is a sphere. Primitives are fewer than 2³¹: the difference is negative for triangles.
@@ -127,10 +127,11 @@ impl World {
 pub(super) fn sample_one_of<R: Real>(
     lights: &Lights,
     p: Vec3<R>,
+    facing: Option<&Vec3<R>>,
     table: Option<R::Bits>,
     u_choice: R,
     u: [R; 2],
     active: R::Mask,
 ) -> LightSample<R> {
-    lights.sample_from(p, table, u_choice, u, active)
+    lights.sample_from(p, facing.copied(), table, u_choice, u, active)
 }

@@ -3,58 +3,62 @@
 use super::alias::MAX_ENTRIES;
 use super::by_power::ByPower;
 use super::expected::Lamp;
-use super::grid::{ChoiceGrid, Receivers};
+use super::grid::{ChoiceGrid, MANY_LIGHTS, Receivers};
 use super::inversion::Choice;
+use super::pairs::{self, Paired};
 use super::reach::Reach;
+use super::row::{CENTER, E1, E2, LaneRows, NG, P0, PDF_ROW, RADIANCE, RADIUS, Row, row};
 use super::sample::LightPoint;
-use super::sphere::{self, sphere_pdf};
-use super::triangle::{self, Triangle, triangle_pdf};
+use super::slope::{Sloped, Slopes};
+use super::sphere::sphere_pdf;
+use super::triangle::triangle_pdf;
 use super::{Emitter, EmitterShape, LightError};
 use crate::geometry::Rows;
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
+use crate::sampling::warp;
 use std::f64::consts::PI;
-
-/// What a lane needs to sample one emitter: one cache line.
-///
-/// Triangle: p0, e1, e2, unit front normal, radiance, choice probability / area.
-/// Sphere: centre, radius, –, radiance, choice probability.
-type Row = [f32; 16];
-
-const P0: usize = 0;
-const E1: usize = 3;
-const E2: usize = 6;
-const NG: usize = 9;
-const CENTER: usize = 0;
-const RADIUS: usize = 3;
-const RADIANCE: usize = 12;
-const PDF_ROW: usize = 15;
 
 /// A point on an area light.
 pub(super) struct AreaSample<R: Real> {
     pub point: LightPoint<R>,
     pub radiance: Vec3<R>,
     pub primitive: R::Bits,
-    /// What the point on the light was sampled by.
-    pub u: [R; 2],
+    /// See [`LightSample::place`](super::LightSample::place).
+    pub place: [R; 2],
+}
+
+/// A place on a light that was chosen.
+struct Place<R: Real> {
+    row: R::Bits,
+    primitive: R::Bits,
+    is_sphere: R::Mask,
+    /// See [`LightSample::place`](super::LightSample::place).
+    at: [R; 2],
+    /// See [`Sloped`].
+    stretch: R,
 }
 
 pub(super) struct AreaLights {
-    /// Triangles, then spheres, each in order of their primitive.
+    /// In the order of [`Paired`].
     rows: Rows<16>,
-    /// The primitive of each row, and as bits.
+    /// The primitive of each row; and as bits, beside its corner, see [`Paired::corners`].
     primitives: Vec<u32>,
-    primitive_bits: Rows<1>,
+    names: Rows<2>,
+    /// So many pairs of rows come first, each a lamp of its own; every other row is one.
+    pairs: usize,
+    /// `None` where lamps are sampled evenly.
+    slopes: Option<Slopes>,
     first_sphere: usize,
     choice: ByPower,
-    /// Of each row, by power, area lights' share left out.
+    /// Of each lamp, by power, area lights' share left out.
     probability: Vec<f64>,
     grid: Option<Grid>,
 }
 
-/// A grid, and which row each primitive of the scene is; 0 for those that are none.
+/// A grid, and which lamp each primitive of the scene is of; 0 for those that are of none.
 struct Grid {
     choice: ChoiceGrid,
-    row_of: Vec<u32>,
+    lamp_of: Vec<u32>,
 }
 
 impl AreaLights {
@@ -67,34 +71,60 @@ impl AreaLights {
         if emitters.len() > MAX_ENTRIES {
             return Err(LightError::TooMany { count: emitters.len(), most: MAX_ENTRIES });
         }
-        emitters.sort_by_key(|e| (e.is_sphere(), e.primitive));
+        let Paired { emitters, corners, pairs } = Paired::of(emitters);
         let first_sphere = emitters.partition_point(|e| !e.is_sphere());
-        let powers: Vec<f64> = emitters.iter().map(Emitter::power).collect();
+        let power = |e: &[Emitter]| e.iter().map(Emitter::power).sum::<f64>();
+        let (paired, single) = emitters.split_at(2 * pairs);
+        let powers: Vec<f64> = paired.chunks(2).chain(single.chunks(1)).map(power).collect();
         let (choice, probability) = ByPower::build(&powers);
-        let rows: Vec<Row> = emitters.iter().zip(&probability).map(|(e, p)| row(e, p * share)).collect();
+        let of_row = |i: usize| probability[lamp_of(i, pairs)] * if i < 2 * pairs { 0.5 } else { 1.0 };
+        let rows: Vec<Row> = emitters.iter().enumerate().map(|(i, e)| row(e, of_row(i) * share)).collect();
         let primitives: Vec<u32> = emitters.iter().map(|e| e.primitive).collect();
-        let bits: Vec<[f32; 1]> = primitives.iter().map(|&primitive| [f32::from_bits(primitive)]).collect();
-        let (rows, primitive_bits) = (Rows::new(&rows), Rows::new(&bits));
-        Ok(Some(Self { rows, primitives, primitive_bits, first_sphere, choice, probability, grid: None }))
+        let names: Vec<[f32; 2]> =
+            primitives.iter().zip(corners).map(|(&p, corner)| [f32::from_bits(p), corner]).collect();
+        let (rows, names) = (Rows::new(&rows), Rows::new(&names));
+        Ok(Some(Self { rows, primitives, names, pairs, slopes: None, first_sphere, choice, probability, grid: None }))
     }
 
     /// From now on lights can be chosen by place too, if they are many.
     pub(super) fn add_grid(&mut self, receivers: &Receivers) {
-        let lamps: Vec<Lamp> = (0..self.len()).map(|i| self.lamp(i)).collect();
+        if self.len() < MANY_LIGHTS {
+            return;
+        }
+        let lamps: Vec<Lamp> = (0..self.probability.len()).map(|i| self.lamp(i)).collect();
         self.grid = ChoiceGrid::build(&lamps, receivers).map(|choice| {
-            let mut row_of = vec![0; receivers.triangles.len() + receivers.spheres.len()];
+            let mut lamps = vec![0; receivers.triangles.len() + receivers.spheres.len()];
             for (row, primitive) in self.primitives.iter().enumerate() {
-                row_of[*primitive as usize] = row as u32;
+                lamps[*primitive as usize] = lamp_of(row, self.pairs) as u32;
             }
-            Grid { choice, row_of }
+            Grid { choice, lamp_of: lamps }
         });
     }
 
+    /// From now on numbers of pairs can follow a [slope](Slopes).
+    pub(super) fn add_slopes(&mut self) {
+        let vertices = |lamp: usize| {
+            let (row, [_, corner]) = (self.rows.row(2 * lamp), *self.names.row(2 * lamp));
+            let vector = |k: usize| glam::DVec3::new(row[k].into(), row[k + 1].into(), row[k + 2].into());
+            let vertices = [vector(P0), vector(P0) + vector(E1), vector(P0) + vector(E2)];
+            [0, 1, 2].map(|k| vertices[(corner as usize + k) % 3])
+        };
+        let slopes = (self.pairs > 0).then(|| Slopes::of((0..self.pairs).map(vertices)));
+        self.slopes = slopes;
+    }
+
     fn lamp(&self, i: usize) -> Lamp {
+        if i >= self.pairs {
+            return self.lamp_of_row(i + self.pairs, self.probability[i]);
+        }
+        let [a, b] = [0, 1].map(|k| self.lamp_of_row(2 * i + k, self.probability[i]));
+        Lamp { center: 0.5 * (a.center + b.center), area: a.area + b.area, ..a }
+    }
+
+    fn lamp_of_row(&self, i: usize, probability: f64) -> Lamp {
         let row = self.rows.row(i);
         let vector = |k: usize| glam::DVec3::new(row[k].into(), row[k + 1].into(), row[k + 2].into());
         let radiance = vector(RADIANCE).element_sum() / 3.0;
-        let probability = self.probability[i];
         if i < self.first_sphere {
             let (e1, e2) = (vector(E1), vector(E2));
             let (center, area) = (vector(P0) + (e1 + e2) / 3.0, 0.5 * e1.cross(e2).length());
@@ -114,9 +144,13 @@ impl AreaLights {
                 false => EmitterShape::Sphere { center: vector(CENTER), radius: self.rows.row(i)[RADIUS] },
             }
         };
-        let least = |i: usize| match &self.grid {
-            None => self.probability[i] * share,
-            Some(_) => ChoiceGrid::least_probability(self.probability[i]) * share,
+        let least = |i: usize| {
+            let probability = self.probability[lamp_of(i, self.pairs)];
+            let of_lamp = match &self.grid {
+                None => probability * share,
+                Some(_) => ChoiceGrid::least_probability(probability) * share,
+            };
+            if i < 2 * self.pairs { 0.5 * of_lamp } else { of_lamp }
         };
         Reach::of(&(0..self.len()).map(|i| (shape(i), least(i))).collect::<Vec<_>>())
     }
@@ -134,9 +168,9 @@ impl AreaLights {
     /// See [`Lights::choice_ratio`](super::Lights::choice_ratio).
     #[inline(always)]
     pub(super) fn choice_ratio<R: Real>(&self, primitive: R::Bits, table: R::Bits, emitting: R::Mask) -> R {
-        let Some(Grid { choice, row_of }) = &self.grid else { return R::one() };
-        let row = R::Bits::from_fn(|i| if emitting.lane(i) { row_of[primitive.lane(i) as usize] } else { 0 });
-        choice.ratio(table, row)
+        let Some(Grid { choice, lamp_of }) = &self.grid else { return R::one() };
+        let lamp = R::Bits::from_fn(|i| if emitting.lane(i) { lamp_of[primitive.lane(i) as usize] } else { 0 });
+        choice.ratio(table, lamp)
     }
 
     pub(super) fn len(&self) -> usize {
@@ -144,18 +178,27 @@ impl AreaLights {
     }
 
     pub(super) fn memory(&self) -> usize {
-        let grid = self.grid.as_ref().map_or(0, |grid| grid.choice.memory() + size_of_val(&*grid.row_of));
-        self.rows.bytes() + size_of_val(&*self.primitives) + self.primitive_bits.bytes() + self.choice.memory() + grid
+        let grid = self.grid.as_ref().map_or(0, |grid| grid.choice.memory() + size_of_val(&*grid.lamp_of));
+        let slopes = self.slopes.as_ref().map_or(0, Slopes::bytes);
+        self.rows.bytes() + slopes + size_of_val(&*self.primitives) + self.names.bytes() + self.choice.memory() + grid
     }
 
-    /// A point on a light as seen from `origin`: by power, or from a `table` of the grid.
+    /// A point on a light as seen from `origin`: by power, or from a `table` of the grid; along slopes, where there are any, for
+    /// a receiver that is lit from the side of `facing`.
     ///
-    /// `u[0]` chooses the light, and what is left of it, extended by `fine`, is the first number of the point: neighbours
+    /// `u[0]` chooses the lamp, and what is left of it, extended by `fine`, is the first number of the point: neighbours
     /// in the list are then neighbours in the square of the two numbers, which lists the lamps' surfaces without a seam
-    /// that a low-discrepancy sampler would not see. A lamp of two triangles is sampled as one.
+    /// that a low-discrepancy sampler would not see. A lamp of two triangles is sampled [as one](Paired).
     #[inline(always)]
-    pub(super) fn sample<R: Real>(&self, origin: Vec3<R>, table: Option<R::Bits>, u: [R; 2], fine: R) -> AreaSample<R> {
-        let (Choice { entry: index, rest }, ratio) = match (&self.grid, table) {
+    pub(super) fn sample<R: Real>(
+        &self,
+        origin: Vec3<R>,
+        facing: Option<Vec3<R>>,
+        table: Option<R::Bits>,
+        u: [R; 2],
+        fine: R,
+    ) -> AreaSample<R> {
+        let (Choice { entry: lamp, rest }, ratio) = match (&self.grid, table) {
             (Some(grid), Some(table)) => {
                 let choice = grid.choice.choose(table, u[0], fine);
                 let ratio = grid.choice.ratio(table, choice.entry);
@@ -163,38 +206,65 @@ impl AreaLights {
             }
             _ => (self.choice.choose(u, fine), None),
         };
-        let u = [rest, u[1]];
-        let rows = self.fetch(index);
+        let receiver = facing.map(|n| (origin, n));
+        let Place { row, primitive, is_sphere, at, stretch } = self.place(lamp, receiver, [rest, u[1]]);
+        let rows = self.fetch(row);
         let mut point = if self.first_sphere == self.len() {
-            rows.sample_triangle(origin, u)
+            rows.sample_triangle(origin, at)
         } else if self.first_sphere == 0 {
-            rows.sample_sphere(origin, u)
+            rows.sample_sphere(origin, at)
         } else {
-            let is_sphere = R::from_int(index).ge(R::splat(self.first_sphere as f32));
-            LightPoint::select(is_sphere, rows.sample_sphere(origin, u), rows.sample_triangle(origin, u))
+            LightPoint::select(is_sphere, rows.sample_sphere(origin, at), rows.sample_triangle(origin, at))
         };
         if let Some(ratio) = ratio {
             point.pdf = point.pdf * ratio;
         }
-        AreaSample { point, radiance: rows.vector(RADIANCE), primitive: self.primitive::<R>(index), u }
+        AreaSample { point, radiance: rows.vector(RADIANCE) * stretch, primitive, place: at }
     }
 
-    /// A primitive chosen by power, its radiance, and what is left of `u` for the point on it.
+    /// A primitive chosen by power, its radiance, and the place on it.
     #[inline(always)]
     pub(super) fn choose<R: Real>(&self, u: [R; 2], fine: R) -> (R::Bits, Vec3<R>, [R; 2]) {
-        let Choice { entry: index, rest } = self.choice.choose(u, fine);
-        (self.primitive::<R>(index), self.fetch::<R>(index).vector(RADIANCE), [rest, u[1]])
+        let Choice { entry: lamp, rest } = self.choice.choose(u, fine);
+        let Place { row, primitive, at, .. } = self.place(lamp, None, [rest, u[1]]);
+        (primitive, self.fetch::<R>(row).vector(RADIANCE), at)
+    }
+
+    /// The place that two numbers mean on a lamp. What none of the lamps needs is not computed.
+    #[inline(always)]
+    fn place<R: Real>(&self, lamp: R::Bits, receiver: Option<(Vec3<R>, Vec3<R>)>, mut u: [R; 2]) -> Place<R> {
+        let (mut row, mut second, mut stretch) = (lamp, R::Mask::splat(false), R::one());
+        if self.pairs > 0 {
+            let pairs = R::Bits::splat(self.pairs as u32);
+            let paired = lamp.lt(pairs);
+            if let (Some(slopes), Some((p, n))) = (&self.slopes, receiver) {
+                let sloped: Sloped<R> = slopes.lean(lamp, paired, p, n, u);
+                u = [0, 1].map(|k| R::select(paired, sloped.u[k], u[k]));
+                stretch = R::select(paired, sloped.stretch, stretch);
+            }
+            second = paired & pairs::in_second(u);
+            let one = R::Bits::select(second, R::Bits::splat(1), R::Bits::splat(0));
+            row = lamp + R::Bits::select(paired, lamp + one, pairs);
+        }
+        let [primitive, corner] = self.names.fetch::<R>(row, R::Mask::splat(true));
+        let mut at = u;
+        if 2 * self.pairs == self.len() {
+            at = pairs::paired_weights(u, second, corner);
+        } else if self.pairs > 0 {
+            at = pairs::weights(u, second, corner);
+        } else if self.first_sphere > 0 {
+            at = warp::uniform_triangle(u);
+        }
+        let is_sphere = !row.lt(R::Bits::splat(self.first_sphere as u32));
+        if self.first_sphere < self.len() {
+            at = [0, 1].map(|k| R::select(is_sphere, u[k], at[k]));
+        }
+        Place { row, primitive: primitive.to_bits(), is_sphere, at, stretch }
     }
 
     #[inline(always)]
-    fn fetch<R: Real>(&self, index: R::Bits) -> LaneRows<R> {
-        LaneRows(self.rows.fetch(index, R::Mask::splat(true)))
-    }
-
-    #[inline(always)]
-    fn primitive<R: Real>(&self, index: R::Bits) -> R::Bits {
-        let [bits] = self.primitive_bits.fetch::<R>(index, R::Mask::splat(true));
-        bits.to_bits()
+    fn fetch<R: Real>(&self, row: R::Bits) -> LaneRows<R> {
+        LaneRows(self.rows.fetch(row, R::Mask::splat(true)))
     }
 
     /// See [`Lights::emitter_pdf_row`](super::Lights::emitter_pdf_row).
@@ -217,88 +287,15 @@ impl AreaLights {
     }
 
     fn find(&self, primitive: u32) -> Option<usize> {
-        let (triangles, spheres) = self.primitives.split_at(self.first_sphere);
-        let on_sphere = || spheres.binary_search(&primitive).ok().map(|i| i + self.first_sphere);
-        triangles.binary_search(&primitive).ok().or_else(on_sphere)
+        let kinds = [0..2 * self.pairs, 2 * self.pairs..self.first_sphere, self.first_sphere..self.len()];
+        kinds.into_iter().find_map(|rows| {
+            let first = rows.start;
+            self.primitives[rows].binary_search(&primitive).ok().map(|i| first + i)
+        })
     }
 }
 
-/// The rows that the lanes look at, a register a field.
-struct LaneRows<R>([R; 16]);
-
-impl<R: Real> LaneRows<R> {
-    #[inline(always)]
-    fn field(&self, k: usize) -> R {
-        self.0[k]
-    }
-
-    #[inline(always)]
-    fn vector(&self, k: usize) -> Vec3<R> {
-        Vec3::new(self.field(k), self.field(k + 1), self.field(k + 2))
-    }
-
-    #[inline(always)]
-    fn sample_triangle(&self, origin: Vec3<R>, u: [R; 2]) -> LightPoint<R> {
-        let light = Triangle { p0: self.vector(P0), e1: self.vector(E1), e2: self.vector(E2), ng: self.vector(NG) };
-        triangle::sample(&light, self.field(PDF_ROW), origin, u)
-    }
-
-    #[inline(always)]
-    fn sample_sphere(&self, origin: Vec3<R>, u: [R; 2]) -> LightPoint<R> {
-        sphere::sample(self.vector(CENTER), self.field(RADIUS), self.field(PDF_ROW), origin, u)
-    }
-}
-
-fn row(emitter: &Emitter, probability: f64) -> Row {
-    let mut row = [0.0; 16];
-    match emitter.shape {
-        EmitterShape::Triangle { p0, e1, e2 } => {
-            row[P0..P0 + 3].copy_from_slice(&p0);
-            row[E1..E1 + 3].copy_from_slice(&e1);
-            row[E2..E2 + 3].copy_from_slice(&e2);
-            let normal = cross(e1, e2);
-            let twice_area = length(normal);
-            for k in 0..3 {
-                row[NG + k] = (normal[k] / twice_area) as f32;
-            }
-            row[PDF_ROW] = (probability / (0.5 * twice_area)) as f32;
-        }
-        EmitterShape::Sphere { center, radius } => {
-            row[CENTER..CENTER + 3].copy_from_slice(&center);
-            row[RADIUS] = radius;
-            row[PDF_ROW] = probability as f32;
-        }
-    }
-    row[RADIANCE..RADIANCE + 3].copy_from_slice(&emitter.radiance);
-    row
-}
-
-impl Emitter {
-    /// Area in square units of the scene, in f64.
-    pub fn area(&self) -> f64 {
-        match self.shape {
-            EmitterShape::Triangle { e1, e2, .. } => 0.5 * length(cross(e1, e2)),
-            EmitterShape::Sphere { radius, .. } => 4.0 * PI * f64::from(radius) * f64::from(radius),
-        }
-    }
-
-    /// π · area · radiance, the mean over the channels: what the light is chosen by. The mean, not luminance, because
-    /// errors are measured per channel: a blue lamp deserves its samples.
-    pub fn power(&self) -> f64 {
-        let mean = self.radiance.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
-        PI * self.area() * mean
-    }
-
-    fn is_sphere(&self) -> bool {
-        matches!(self.shape, EmitterShape::Sphere { .. })
-    }
-}
-
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f64; 3] {
-    let ([a0, a1, a2], [b0, b1, b2]) = (a.map(f64::from), b.map(f64::from));
-    [a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0]
-}
-
-fn length(v: [f64; 3]) -> f64 {
-    v.iter().map(|c| c * c).sum::<f64>().sqrt()
+/// The lamp that a row is of, where the first rows are `pairs`.
+fn lamp_of(row: usize, pairs: usize) -> usize {
+    if row < 2 * pairs { row / 2 } else { row - pairs }
 }

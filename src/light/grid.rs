@@ -13,7 +13,7 @@ use crate::lane::{Bits, Real, Vec3};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Fewer area lights than this are chosen by power.
+/// Fewer emitting primitives than this are chosen by power: two may be one lamp.
 pub const MANY_LIGHTS: usize = 3;
 /// Entries of all tables together, at most: 4.5 bytes each.
 const MOST_ENTRIES: usize = 1 << 22;
@@ -54,11 +54,8 @@ struct Cells {
 }
 
 impl ChoiceGrid {
-    /// `None` where lights are few, or too many for tables of a useful number.
+    /// `None` where lights are too many for tables of a useful number.
     pub(super) fn build(lamps: &[Lamp], receivers: &Receivers) -> Option<Self> {
-        if lamps.len() < MANY_LIGHTS {
-            return None;
-        }
         let (low, high) = receivers.bounds()?;
         let side = (high - low).max_element();
         let most = MOST_ENTRIES / lamps.len();

@@ -75,6 +75,14 @@ impl Lights {
         }
     }
 
+    /// Lets [`Lights::sample_from`] prefer, on lamps of two triangles, what sends more to the receiver. Densities stay those
+    /// of even samples: see [`LightSample::radiance`].
+    pub fn add_slopes(&mut self) {
+        if let Some(area) = &mut self.area {
+            area.add_slopes();
+        }
+    }
+
     /// Where light samples find all emitters as well as a Lambert surface ever could; `None` where that is not known, or
     /// something else than emitters shines with an extent.
     pub fn reach(&self) -> Option<Reach> {
@@ -138,14 +146,16 @@ impl Lights {
     /// extent, and goes on where the digits of `u` end. What lies between is not looked at.
     #[inline(always)]
     pub fn sample<R: Real>(&self, p: Vec3<R>, u_choice: R, u: [R; 2], active: R::Mask) -> LightSample<R> {
-        self.sample_from(p, None, u_choice, u, active)
+        self.sample_from(p, None, None, u_choice, u, active)
     }
 
-    /// The same, area lights from a table of [`Lights::table_at`].
+    /// The same, area lights from a table of [`Lights::table_at`], and along slopes, if there are any, for a receiver that is
+    /// lit from the side of the unit normal `facing`, and counts its cosine; 0 for one that counts none.
     #[inline(always)]
     pub fn sample_from<R: Real>(
         &self,
         p: Vec3<R>,
+        facing: Option<Vec3<R>>,
         table: Option<R::Bits>,
         u_choice: R,
         u: [R; 2],
@@ -153,10 +163,10 @@ impl Lights {
     ) -> LightSample<R> {
         match (&self.area, &self.environment, &self.delta) {
             (None, None, None) => LightSample::none(),
-            (Some(area), None, None) => sample_area(area, p, table, u, u_choice).only(active),
+            (Some(area), None, None) => sample_area(area, p, facing, table, u, u_choice).only(active),
             (None, Some(map), None) => sample_environment(map, u, 1.0).only(active),
             (None, None, Some(delta)) => delta.sample(p, u_choice, u, 1.0).only(active),
-            _ => self.sample_one_kind(p, table, u_choice, u, active),
+            _ => self.sample_one_kind(p, facing, table, u_choice, u, active),
         }
     }
 
@@ -165,6 +175,7 @@ impl Lights {
     fn sample_one_kind<R: Real>(
         &self,
         p: Vec3<R>,
+        facing: Option<Vec3<R>>,
         table: Option<R::Bits>,
         u_choice: R,
         u: [R; 2],
@@ -181,7 +192,7 @@ impl Lights {
         let mut sample = LightSample::none();
         let area_lanes = active & !to_delta & !to_environment;
         if let Some(area) = self.area.as_ref().filter(|_| area_lanes.any()) {
-            sample = sample_area(area, p, table, u, u_choice).only(area_lanes);
+            sample = sample_area(area, p, facing, table, u, u_choice).only(area_lanes);
         }
         let environment_lanes = active & to_environment;
         if let Some(map) = self.environment.as_ref().filter(|_| environment_lanes.any()) {
@@ -196,8 +207,8 @@ impl Lights {
         sample
     }
 
-    /// An emitting primitive chosen by power among those with an area, for paths that start there, with its radiance, and what
-    /// the choice leaves of `u`, extended by `fine`, for the point on it. Of no meaning where there is none.
+    /// An emitting primitive chosen by power among those with an area, for paths that start there, with its radiance, and a
+    /// [place](LightSample::place) uniform on it; `fine` goes on where the digits of `u` end. Of no meaning where there is none.
     #[inline(always)]
     pub fn choose_emitter<R: Real>(&self, u: [R; 2], fine: R) -> (R::Bits, Vec3<R>, [R; 2]) {
         let area = self.area.as_ref();
@@ -243,8 +254,15 @@ impl Lights {
 }
 
 #[inline(always)]
-fn sample_area<R: Real>(area: &AreaLights, p: Vec3<R>, table: Option<R::Bits>, u: [R; 2], fine: R) -> LightSample<R> {
-    let AreaSample { point, radiance, primitive, u } = area.sample(p, table, u, fine);
+fn sample_area<R: Real>(
+    area: &AreaLights,
+    p: Vec3<R>,
+    facing: Option<Vec3<R>>,
+    table: Option<R::Bits>,
+    u: [R; 2],
+    fine: R,
+) -> LightSample<R> {
+    let AreaSample { point, radiance, primitive, place } = area.sample(p, facing, table, u, fine);
     LightSample {
         wi: point.wi,
         target: point.target,
@@ -255,7 +273,7 @@ fn sample_area<R: Real>(area: &AreaLights, p: Vec3<R>, table: Option<R::Bits>, u
         pdf: point.pdf,
         is_environment: R::Mask::splat(false),
         primitive,
-        u,
+        place,
     }
 }
 

@@ -13,25 +13,30 @@ mod area;
 mod by_power;
 mod delta;
 mod density;
+mod emitter;
 mod environment;
 mod expected;
 mod grid;
 mod image;
 mod inversion;
 mod lights;
+mod pairs;
 mod reach;
+mod row;
 mod sample;
+mod slope;
 mod sphere;
 mod triangle;
 
 pub use delta::Extent;
+pub use emitter::{Emitter, EmitterShape};
 pub use environment::{EnvironmentMap, SkySamples};
 pub use grid::{MANY_LIGHTS, Receivers};
 pub use lights::{ENVIRONMENT_PROBABILITY, Lights};
 pub use reach::{FEW_EMITTERS, Reach};
 pub use sample::{DELTA_LIGHT, LightSample, NO_PRIMITIVE};
 pub use sphere::sphere_pdf;
-pub use triangle::{triangle_barycentrics, triangle_pdf};
+pub use triangle::triangle_pdf;
 
 use thiserror::Error;
 
@@ -44,25 +49,4 @@ pub enum LightError {
     /// An intensity is out of range.
     #[error("the intensity of a light leaves single precision at the scale of this scene. Use other units of length")]
     Overflow,
-}
-
-/// A primitive that emits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Emitter {
-    /// Triangles in file order, then spheres.
-    pub primitive: u32,
-    /// In the kernel's unit.
-    pub shape: EmitterShape,
-    /// Linear RGB, finite and ≥ 0.
-    pub radiance: [f32; 3],
-}
-
-/// Where an emitter is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(missing_docs)] // fields: as the variant says
-pub enum EmitterShape {
-    /// Emits from its counter-clockwise side, where `e1` × `e2` points.
-    Triangle { p0: [f32; 3], e1: [f32; 3], e2: [f32; 3] },
-    /// Emits outwards.
-    Sphere { center: [f32; 3], radius: f32 },
 }

@@ -3,7 +3,8 @@
 //! Of all densities such a surface may scatter with, cosθ/π is at most 1/π. Far enough from every emitter its light samples are
 //! denser than that in each direction that meets one: there multiple importance sampling by the larger density (Veach 1997,
 //! §9.2.2, maximum heuristic) takes all light from light samples, and what they bring, radiance · f · cosθ/p, is
-//! bounded by the radiance. Where nothing but emission is left to be found, no other ray is then worth tracing.
+//! bounded by the radiance (along a [slope](super::Lights::add_slopes), at the end where they are fewest, by nine times that). Where
+//! nothing but emission is left to be found, no other ray is then worth tracing.
 
 use super::EmitterShape;
 use crate::lane::{Mask, Real, Vec3};

@@ -20,16 +20,17 @@ pub struct LightSample<R: Real> {
     pub ng: Vec3<R>,
     /// To `target`; infinite for the environment and directional lights.
     pub distance: R,
+    /// Radiance, times how much of the density `pdf` the sample makes up for: 1 but [along slopes](super::Lights::add_slopes).
     /// Of a light without extent, what arrives per unit of area across `wi`.
     pub radiance: Vec3<R>,
-    /// In solid angle, the choice of light included. Of a light without extent, the probability of the choice.
+    /// In solid angle, the choice of light included, as hits are weighed by. Of a light without extent, the probability of the choice.
     pub pdf: R,
     /// Does `wi` lead out of the scene? To the environment or to a directional light.
     pub is_environment: R::Mask,
     /// The emitting primitive, [`DELTA_LIGHT`] or [`NO_PRIMITIVE`].
     pub primitive: R::Bits,
-    /// On a primitive: what the point was sampled by, see [`triangle_barycentrics`](super::triangle_barycentrics).
-    pub u: [R; 2],
+    /// Of the point on a triangle, the weights of vertices 1 and 2; on a sphere, the numbers it was sampled by.
+    pub place: [R; 2],
 }
 
 /// A point on an area light as its shape produces it.
@@ -75,7 +76,7 @@ impl<R: Real> LightSample<R> {
             pdf: R::zero(),
             is_environment: R::Mask::splat(false),
             primitive: R::Bits::splat(NO_PRIMITIVE),
-            u: [R::zero(); 2],
+            place: [R::zero(); 2],
         }
     }
 
@@ -102,7 +103,7 @@ impl<R: Real> LightSample<R> {
             pdf: R::select(mask, a.pdf, b.pdf),
             is_environment: (a.is_environment & mask) | (b.is_environment & !mask),
             primitive: R::Bits::select(mask, a.primitive, b.primitive),
-            u: [R::select(mask, a.u[0], b.u[0]), R::select(mask, a.u[1], b.u[1])],
+            place: [0, 1].map(|k| R::select(mask, a.place[k], b.place[k])),
         }
     }
 }

@@ -2,7 +2,6 @@
 
 use super::sample::LightPoint;
 use crate::lane::{Real, Vec3};
-use crate::sampling::warp;
 
 /// Bound of the rounding error of a point on a primitive, relative to the magnitudes it was summed from:
 /// γ(7) = 7u/(1 − 7u) with u = 2⁻²⁴ (Pharr, Jakob, Humphreys 2023, §6.8.5).
@@ -18,12 +17,6 @@ pub fn triangle_pdf<R: Real>(row: R, t: R, cos: R) -> R {
     pdf.masked(cos.gt(R::zero()) & pdf.is_finite())
 }
 
-/// Weights of vertices 1 and 2 at the point of a triangle that [`Lights::sample`](super::Lights::sample) takes for `u`.
-#[inline(always)]
-pub fn triangle_barycentrics<R: Real>(u: [R; 2]) -> [R; 2] {
-    warp::uniform_triangle(u)
-}
-
 /// A triangle per lane, with its unit front normal.
 pub(super) struct Triangle<R> {
     pub p0: Vec3<R>,
@@ -32,10 +25,10 @@ pub(super) struct Triangle<R> {
     pub ng: Vec3<R>,
 }
 
-/// A point uniform in area, seen from `origin`; the density in solid angle is `row`·t²/cos.
+/// The point with weights `b1` and `b2` of vertices 1 and 2, sampled uniformly in area, as seen from `origin`: the density
+/// in solid angle is `row`·t²/cos.
 #[inline(always)]
-pub(super) fn sample<R: Real>(light: &Triangle<R>, row: R, origin: Vec3<R>, u: [R; 2]) -> LightPoint<R> {
-    let [b1, b2] = triangle_barycentrics(u);
+pub(super) fn at<R: Real>(light: &Triangle<R>, row: R, origin: Vec3<R>, [b1, b2]: [R; 2]) -> LightPoint<R> {
     let along = light.e1 * b1;
     let target = light.p0 + light.e2.mul_add(b2, along);
     let error = (light.p0.abs() + along.abs() + (light.e2 * b2).abs()) * R::splat(GAMMA_7);

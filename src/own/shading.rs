@@ -164,20 +164,20 @@ impl<B: Bsdf, L: Light> Shade for Own<B, L> {
     fn sample_light<R: Real>(
         &self,
         world: &World,
-        p: Vec3<R>,
+        [p, facing]: [Vec3<R>; 2],
         table: R::Bits,
         u_choice: R,
         u: [R; 2],
         active: R::Mask,
     ) -> LightSample<R> {
         if !L::SHINES {
-            return Shade::sample_light(&AllModels, world, p, table, u_choice, u, active);
+            return Shade::sample_light(&AllModels, world, [p, facing], table, u_choice, u, active);
         }
         let share = R::splat(Self::share(world));
         let to_own = u_choice.lt(share) & active;
         let own = self.sample_own_light(world, p, u, to_own);
         let rest = rescale(u_choice, share, R::one());
-        let mut scenes = Shade::sample_light(&AllModels, world, p, table, rest, u, active & !to_own);
+        let mut scenes = Shade::sample_light(&AllModels, world, [p, facing], table, rest, u, active & !to_own);
         scenes.pdf = scenes.pdf * (R::one() - share);
         LightSample::select(to_own, own, scenes)
     }

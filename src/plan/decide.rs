@@ -107,6 +107,12 @@ impl Plan {
             format!("{} used materials emit unevenly", images.patterned),
         );
         let mapped = scene.mesh.texcoords.len();
+        let events = scene.integrator.max_bounces;
+        let sloped_lamps = decide(
+            "lamps by their slope",
+            area_lights && scene.integrator.kind == IntegratorKind::Path && events > 1 && images.patterned == 0,
+            format!("{events} bounces: from the second on, paths come close to lamps; {} patterned", images.patterned),
+        );
         let texcoords = decide(
             "texture coordinates",
             mapped > 0 && (textures || cutouts),
@@ -133,6 +139,7 @@ impl Plan {
             area_lights,
             last_by_lights,
             light_grid,
+            sloped_lamps,
             delta_lights,
             light_paths,
             path_reuse,

@@ -85,7 +85,7 @@ fn drawn_as_often_as_stated() {
         let mut observed = vec![0; stated.len()];
         for _ in 0..draws {
             let (choice, u) = (rng.f32(), [rng.f32(), rng.f32()]);
-            let sample = room.lights.sample_from::<f32>(vec1(p), Some(Bits::splat(table)), choice, u, true);
+            let sample = room.lights.sample_from::<f32>(vec1(p), None, Some(Bits::splat(table)), choice, u, true);
             observed[sample.primitive.lane(0) as usize - 2] += 1;
         }
         let expected: Vec<f64> = stated.iter().map(|p| p * f64::from(draws)).collect();
@@ -159,7 +159,7 @@ fn read_back_from_the_table() {
         let table = Bits::splat(room.table(p, n));
         for _ in 0..2000 {
             let (choice, u) = (rng.f32(), [rng.f32(), rng.f32()]);
-            let s = room.lights.sample_from::<f32>(vec1(p), Some(table), choice, u, true);
+            let s = room.lights.sample_from::<f32>(vec1(p), None, Some(table), choice, u, true);
             let cos = -(s.ng.dot(s.wi));
             let pdf = room.lights.pdf_area::<f32>(s.primitive, vec1(p), s.distance, cos)
                 * room.lights.choice_ratio::<f32>(s.primitive, table, true);
@@ -180,7 +180,7 @@ fn same_mean_less_variance() {
             let mut moments = Moments::new();
             for _ in 0..400_000 {
                 let (choice, u) = (rng.f32(), [rng.f32(), rng.f32()]);
-                let s = room.lights.sample_from::<f32>(vec1(*p), table, choice, u, true);
+                let s = room.lights.sample_from::<f32>(vec1(*p), None, table, choice, u, true);
                 let cos = s.wi.dot(vec1(*n)).max(0.0);
                 moments.push(if s.pdf > 0.0 { f64::from(s.radiance.x * cos / s.pdf) } else { 0.0 });
             }
@@ -214,7 +214,7 @@ fn run<R: Real>(lights: &Lights, p: &[[f32; 3]], n: &[[f32; 3]], u: &[[f32; 3]],
     let (p, u) = (pick(p), pick(u));
     let table = lights.table_at(p, pick(n));
     let all = R::Mask::splat(true);
-    let s = lights.sample_from(p, Some(table), u.x, [u.y, u.z], all);
+    let s = lights.sample_from(p, None, Some(table), u.x, [u.y, u.z], all);
     let ratio = lights.choice_ratio::<R>(R::Bits::from_fn(|i| 2 + (first + i) as u32), table, all);
     let lane = |i: usize| [table.lane(i), s.primitive.lane(i), s.pdf.lane(i).to_bits(), ratio.lane(i).to_bits()];
     (0..R::WIDTH).flat_map(lane).collect()

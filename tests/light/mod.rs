@@ -8,8 +8,10 @@ mod environment;
 mod grid;
 mod image;
 mod irradiance;
+mod pairs;
 mod reach;
 mod scenes;
+mod slope;
 mod sphere;
 mod widths;
 

@@ -48,7 +48,7 @@ fn samples_are_dense_beyond_the_reach() {
                 let p = f32s(from.map(|c| c + size * (rng.f64() - 0.5)));
                 let n = f32s(rng.sphere());
                 let table = place.then(|| lights.table_at(vec1(p), vec1(n)));
-                let s = lights.sample_from::<f32>(vec1(p), table, rng.f32(), [rng.f32(), rng.f32()], true);
+                let s = lights.sample_from::<f32>(vec1(p), None, table, rng.f32(), [rng.f32(), rng.f32()], true);
                 if s.pdf > 0.0 {
                     match reach.beyond::<f32>(vec1(p)) {
                         true => (beyond, least) = (beyond + 1, f64::min(least, s.pdf.into())),
@@ -73,7 +73,7 @@ fn many_lamps_and_those_that_are_never_chosen_have_none() {
 }
 
 /// A floor around and below a lamp that hangs low: points within its reach and beyond.
-fn low_lamp(kind: IntegratorKind, bounces: u32) -> Scene {
+pub(super) fn low_lamp(kind: IntegratorKind, bounces: u32) -> Scene {
     let mut set = Set::new([0.0, 4.0, 3.0], [0.0, 0.0, 0.0], 50.0, 16).bounces(bounces).integrator(kind);
     let (grey, lamp) = (set.grey(0.6, 0.0), set.grey(0.0, 2.0));
     set.quad(grey, [[-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0], [-2.0, 0.0, -2.0]]);

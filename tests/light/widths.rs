@@ -43,8 +43,15 @@ fn same_bits_at_every_width() {
     let lamp =
         |i: u32, c: V| triangle(i, [c, [c[0] + 0.3, c[1], c[2]], [c[0], c[1] + 0.4, c[2] + 0.1]], [1.0, 2.0, 3.0]);
     let triangles = [lamp(0, [0.1, 0.2, -1.0]), lamp(3, [0.5, -0.5, -1.2])];
+    let other_half = |i: u32, c: V| {
+        let across = [c[0] + 0.3, c[1] + 0.4, c[2] + 0.1];
+        triangle(i, [[c[0], c[1] + 0.4, c[2] + 0.1], [c[0] + 0.3, c[1], c[2]], across], [1.0, 2.0, 3.0])
+    };
+    let pair = [triangles[0], other_half(1, [0.1, 0.2, -1.0])];
     let spheres = [sphere(5, [1.0, 1.0, 1.0], 0.4, [1.0; 3]), sphere(9, [-1.0, 0.4, 0.0], 0.01, [900.0; 3])];
     let all: Vec<Emitter> = triangles.iter().chain(&spheres).copied().collect();
+    let paired: Vec<Emitter> = pair.iter().chain(&triangles[1..]).copied().collect();
+    let everything: Vec<Emitter> = paired.iter().chain(&spheres).copied().collect();
     let sky = Environment::Image(noise(13, 7, 0.0, 1.0, 1));
     let grey = Environment::Constant([0.5; 3]);
     let turned = {
@@ -59,10 +66,13 @@ fn same_bits_at_every_width() {
         DeltaLight::Spot { position: [0.3, -0.4, 0.9], direction, intensity, angle: 50.0 },
     ];
     let extent = Extent { scale: 0.5, radius: 2.0 };
-    let scenes: [(&[Emitter], Option<&Environment>, &[DeltaLight]); 12] = [
+    let scenes: [(&[Emitter], Option<&Environment>, &[DeltaLight]); 15] = [
         (&triangles[..1], None, &[]),
         (&triangles, None, &[]),
         (&spheres, None, &[]),
+        (&pair, None, &[]),
+        (&paired, None, &[]),
+        (&everything, Some(&grey), &delta),
         (&all, None, &[]),
         (&all, Some(&sky), &[]),
         (&all, Some(&grey), &[]),

@@ -8,7 +8,7 @@ use super::rows::Walk;
 use super::wave::LightJob;
 use crate::geometry::{Hit, Ray, SurfacePoint, inner_weights, offset_origin, sphere_point, triangle_point};
 use crate::lane::{Bits, Mask, Real, Vec3};
-use crate::light::{LightSample, triangle_barycentrics};
+use crate::light::LightSample;
 use crate::sampling::dimensions::*;
 use crate::sampling::{Frame, Sampler, warp};
 
@@ -33,9 +33,9 @@ pub fn start<R: Real>(world: &World, paths: &LightPaths, job: &LightJob, next: u
     let u = rng.bounce_dims(world.sampler, R::zero());
     let position = [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]];
     let Some(lights) = &world.lights else { return idle(rng, slot) };
-    let (primitive, radiance, position) = lights.choose_emitter(position, u[LIGHT_CHOICE]);
-    let (at, ng) = point(world, primitive, position, alive);
-    let mut light = LightSample { ng, radiance, primitive, u: position, ..LightSample::none() };
+    let (primitive, radiance, place) = lights.choose_emitter(position, u[LIGHT_CHOICE]);
+    let (at, ng) = point(world, primitive, place, alive);
+    let mut light = LightSample { ng, radiance, primitive, place, ..LightSample::none() };
     if world.plan.patterned_lights {
         pattern::look_up(world, &mut light, alive);
     }
@@ -72,18 +72,16 @@ fn idle<R: Real>(rng: Sampler<R>, slot: R::Bits) -> Walk<R> {
     }
 }
 
-/// The point of an emitter for two numbers, and the normal of the side that emits: on triangles where light samples take the
-/// same numbers to.
+/// The point at a [place](LightSample::place) on an emitter, and the normal of the side that emits.
 #[inline(always)]
-fn point<R: Real>(world: &World, primitive: R::Bits, u: [R; 2], active: R::Mask) -> (SurfacePoint<R>, Vec3<R>) {
+fn point<R: Real>(world: &World, primitive: R::Bits, place: [R; 2], active: R::Mask) -> (SurfacePoint<R>, Vec3<R>) {
     let spheres = if world.plan.spheres { world.on_sphere::<R>(primitive) & active } else { R::Mask::splat(false) };
     let triangle = world.triangles.fetch::<R>(primitive, active & !spheres);
-    let [b1, b2] = triangle_barycentrics(u);
-    let (b1, b2) = inner_weights(&triangle, b1, b2);
+    let (b1, b2) = inner_weights(&triangle, place[0], place[1]);
     let (mut at, mut ng) = (triangle_point(&triangle, b1, b2), triangle.ng);
     if spheres.any() {
         let sphere = world.sphere_at(primitive, spheres);
-        let near = warp::uniform_sphere(u).mul_add(sphere.radius, sphere.center);
+        let near = warp::uniform_sphere(place).mul_add(sphere.radius, sphere.center);
         let (on_sphere, normal) = sphere_point(&sphere, near);
         at.p = Vec3::select(spheres, on_sphere.p, at.p);
         at.error = Vec3::select(spheres, on_sphere.error, at.error);
