@@ -48,8 +48,9 @@ pub trait Shade: Sync {
         surface.material.is_delta::<Self::Models>()
     }
 
-    /// A sample of some light as seen from `p`, lit from the side of `facing` (see [`Lights::sample_from`](crate::light::Lights::sample_from)), by the `table` of its place where the lights have a grid; without
-    /// density where nothing shines.
+    /// A sample of some light as seen from `p`, lit from the side of `facing` (see
+    /// [`Lights::sample_from`](crate::light::Lights::sample_from)), by the `table` of its place where the lights have a grid;
+    /// without density where nothing shines.
     #[inline(always)]
     fn sample_light<R: Real>(
         &self,
