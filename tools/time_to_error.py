@@ -2,7 +2,7 @@
 """Seconds and paths that octolux needs to a relMSE on the reference scenes, beside what its peers were measured to need.
 
     cargo build --release
-    python3 tools/time_to_error.py [--seeds 4] [--scenes cornell,env] [--adaptive | --without] [--json FILE] [-o DIR]
+    python3 tools/time_to_error.py [--seeds 4] [--scenes cornell,env] [--adaptive | --without] [--references DIR] [--json FILE] [-o DIR]
 
 Runs `octolux converge` on each scene of ../shared/refs (reports stay in DIR) and prints a Markdown table with 95 %
 intervals: rendering alone, and the wall clock from exec to closed file (what is not rendering is the median of seven starts
@@ -48,7 +48,7 @@ WITHOUT = {
 def measure(scene, budgets, arguments, variants=()):
     folder = pathlib.Path(arguments.output) / scene
     command = [str(ROOT / "target" / "release" / "octolux"), "converge", str(REFS / scene / "scene.toml"),
-               "--reference", str(REFS / f"{scene}.exr"), "--spp", budgets, "--seeds", str(arguments.seeds), "--quiet",
+               "--reference", str(pathlib.Path(arguments.references) / f"{scene}.exr"), "--spp", budgets, "--seeds", str(arguments.seeds), "--quiet",
                "-o", str(folder)]
     if variants:
         command += ["--variants", "; ".join(f"{name}: {WITHOUT[name]}" for name in variants)]
@@ -132,6 +132,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=4)
     parser.add_argument("--scenes", default=",".join(SCENES))
+    parser.add_argument("--references", default=str(REFS), help="where NAME.exr and NAME.json are [default: ../shared/refs]")
     parser.add_argument("--adaptive", action="store_true", help="with samples divided by a pilot")
     parser.add_argument("--without", action="store_true", help="what each ingredient is worth")
     parser.add_argument("--json", help="write the table as JSON too")
