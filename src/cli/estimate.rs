@@ -9,7 +9,7 @@ use crate::estimate::page;
 use crate::estimate::problems::{self, Problem, Wanted};
 use crate::estimate::study::{Budget, Quantity, Study, run as run_study};
 use crate::estimate::table::csv;
-use crate::film::beside::write_beside;
+use crate::film::beside::{check_writable, write_beside};
 use crate::kernel::{Prepare, Width, World};
 use crate::plan::{Force, GeometryMode, Plan};
 use crate::render::interrupt;
@@ -218,15 +218,20 @@ fn plot_file(name: &str) -> String {
 /// was written by another program: to be known before anything is estimated.
 fn check_folder(args: &EstimateArgs, names: impl Iterator<Item = String>) -> Result<(), CliError> {
     let Some(folder) = &args.output else { return Ok(()) };
+    let files: Vec<_> = ["study.json", "report.html"]
+        .map(str::to_owned)
+        .into_iter()
+        .chain(names)
+        .map(|name| folder.join(name))
+        .collect();
+    files.iter().try_for_each(|file| check_writable(file))?;
     let earlier = std::fs::read(folder.join("study.json")).ok();
     let earlier = earlier.and_then(|text| serde_json::from_slice::<serde_json::Value>(&text).ok());
     // The forms of a study and of a demonstration.
     if earlier.is_some_and(|json| json.get("quantity").is_some() || json.get("lead").is_some()) {
         return Ok(());
     }
-    let mut files =
-        ["study.json", "report.html"].map(str::to_owned).into_iter().chain(names).map(|name| folder.join(name));
-    match files.find(|file| file.exists()) {
+    match files.iter().find(|file| file.exists()) {
         Some(file) => Err(CliError::Usage(format!(
             "{}: is there already, and not made by `octolux estimate`; name another folder",
             file.display()

@@ -4,7 +4,7 @@ use super::CliError;
 use crate::film::{BLOCK, Film};
 use crate::kernel::{Counters, World};
 use crate::render::budget::MAX_SAMPLES;
-use crate::render::state::{Head, Origin};
+use crate::render::state::{Head, Origin, SAMPLING};
 use crate::render::{self, Options, State, StoppedBy};
 use crate::scene::Scene;
 use std::ops::Range;
@@ -94,6 +94,7 @@ impl StateArgs {
             light_paths_everywhere: world.light_paths.is_none_or(|paths| paths.everywhere),
             path_reuse: world.plan.path_reuse,
             roulette: world.integrator.roulette.to_string(),
+            sampling: SAMPLING,
         };
         if let Some(path) = &self.resume {
             let State { head, film } = State::load(path)?;

@@ -23,7 +23,7 @@ pub enum Stage {
     HitV,
     /// What an emitter or the environment adds.
     Emission,
-    /// Density of a light sample.
+    /// Density of a light sample, as techniques are weighed by it: that of an even choice where the sample follows a slope of its lamp.
     LightPdf,
     /// What a light sample adds if nothing hides it.
     LightContribution,

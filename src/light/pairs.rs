@@ -13,6 +13,10 @@ use glam::{DVec3, Vec3};
 /// How far, of the longer side, vertices of a pair may be from where a parallelogram has them.
 const CLOSE: f64 = 1.0 / 4096.0;
 
+/// How far, of their sum, the areas of a pair may differ: each has half of the draws. (Thin ones are close by the above, whatever
+/// their areas.)
+const ALIKE: f64 = 1.0 / 64.0;
+
 /// In place of a corner: a triangle by itself, or a sphere.
 pub(super) const ALONE: f32 = -1.0;
 
@@ -52,7 +56,8 @@ impl Paired {
 /// The vertex of each that is opposite their edge; `None` unless they make a parallelogram that shines alike all over.
 fn opposite_corners(first: &Emitter, second: &Emitter) -> Option<[usize; 2]> {
     let (a, b) = (vertices(first)?, vertices(second)?);
-    if first.radiance != second.radiance {
+    let [area, other] = [first.area(), second.area()];
+    if first.radiance != second.radiance || (area - other).abs() > ALIKE * (area + other) {
         return None;
     }
     let longest = (0..3).map(|i| a[i].distance(a[(i + 1) % 3])).fold(0.0, f64::max);

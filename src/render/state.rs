@@ -52,7 +52,14 @@ pub struct Origin {
     /// See [`Roulette`], as the command line has it; states that do not say are of a time when there was but one.
     #[serde(default = "usual_roulette")]
     pub roulette: String,
+    /// [`SAMPLING`] of the build that began it; states that do not say are of a time before there was a number.
+    #[serde(default)]
+    pub sampling: u32,
 }
+
+/// Raised by a change that gives samples of the same scene, options and seed other values: a state goes on only where its samples
+/// would be made again. (1: two triangles of a lamp are sampled as one, along slopes.)
+pub const SAMPLING: u32 = 1;
 
 fn everywhere() -> bool {
     true
@@ -117,8 +124,10 @@ impl Origin {
         };
         let path_reuse = |origin: &Origin| if origin.path_reuse { "auto" } else { "off" }.to_string();
         let roulette = |origin: &Origin| origin.roulette.clone();
-        let facts: [(_, Fact, String); 9] = [
+        let sampling = |origin: &Origin| origin.sampling.to_string();
+        let facts: [(_, Fact, String); 10] = [
             ("version of octolux", version, "go on with the one that began it".to_string()),
+            ("way of making samples", sampling, "go on with the build of octolux that began it".to_string()),
             ("size", size, format!("give --size {}", size(theirs))),
             ("seed", seed, format!("give --seed {}", theirs.seed)),
             ("sampler", sampler, format!("give --sampler {}", theirs.sampler.name())),

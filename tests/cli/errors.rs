@@ -157,6 +157,31 @@ fn a_read_only_file_stays() {
     }
 }
 
+/// The same of a folder of results, before anything is computed for them.
+#[test]
+fn a_read_only_report_stays() {
+    let scratch = Scratch::new();
+    let estimate = ["estimate", "pi", "--samples", "1,4", "--repeats", "4", "-o", "study"];
+    let converge =
+        ["converge", "scene.toml", "--spp", "1,4", "--seeds", "2", "--reference", "r.exr", "--quiet", "-o", "errors"];
+    let reference = ["render", "scene.toml", "--spp", "4", "-o", "r.exr", "--quiet"];
+    assert_eq!(scratch.run(&reference).status.code(), Some(0));
+    for (arguments, file) in
+        [(&estimate[..], "study/report.html"), (&[&converge[..], &["--resume"]].concat(), "errors/report.html")]
+    {
+        let arguments = arguments.to_vec();
+        assert_eq!(scratch.run(&arguments).status.code(), Some(0), "{arguments:?}");
+        let mut permissions = std::fs::metadata(scratch.path(file)).unwrap().permissions();
+        permissions.set_readonly(true);
+        std::fs::set_permissions(scratch.path(file), permissions).unwrap();
+        let said = refused(&scratch, &arguments);
+        assert!(
+            said.contains(file) && said.contains("read-only") && said.lines().count() == 1,
+            "{arguments:?}: {said}"
+        );
+    }
+}
+
 /// A link to a file that is not there yet leads to where that file will be.
 #[cfg(unix)]
 #[test]

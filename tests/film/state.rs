@@ -53,6 +53,7 @@ fn head(film: &Film) -> Head {
         light_paths_everywhere: true,
         path_reuse: false,
         roulette: "2,0.25".into(),
+        sampling: octolux::render::state::SAMPLING,
     };
     Head {
         origin,
@@ -134,8 +135,9 @@ fn another_version_is_refused_and_so_is_another_scene() {
     let origin = head(&film(FilmChannels::Colour)).origin;
     let path = Path::new("a.state");
     assert!(origin.admit(&origin, path).is_ok());
-    let changes: [(&str, Change); 6] = [
+    let changes: [(&str, Change); 7] = [
         ("version", |o| o.version = "9".into()),
+        ("way of making samples", |o| o.sampling = 0),
         ("scene", |o| o.fingerprint = "e".into()),
         ("seed", |o| o.seed = 8),
         ("sampler", |o| o.sampler = octolux::sampling::SamplerKind::Independent),

@@ -131,6 +131,9 @@ fn what_is_no_parallelogram_or_shines_unevenly_is_not_paired() {
     assert!(apart(&area_lights(&[triangle(0, [a, b, c], WHITE), triangle(1, moved, WHITE)])), "a gap between them");
     let same = [triangle(0, [a, b, c], WHITE), triangle(1, [b, c, a], WHITE)];
     assert!(apart(&area_lights(&same)), "the same twice");
+    // So thin that all vertices are near where a parallelogram of its length has them, but one half has 20 times the other's area.
+    let strip = [[-0.8, 0.0, 1.0], [0.8, 0.0, 1.0], [0.8, -1.5e-5, 1.0], [-0.8, -3e-4, 1.0]];
+    assert!(apart(&pairs(strip)), "halves of unlike areas");
     // Back to back: the second triangle turned over. From the origin only one is lit.
     let turned = area_lights(&[triangle(0, [a, b, c], WHITE), triangle(1, [a, d, c], WHITE)]);
     assert_eq!(at(&turned, [0.75, 0.125]).pdf, 0.0);

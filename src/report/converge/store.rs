@@ -2,8 +2,9 @@
 
 use super::cell::{Budget, Cell, CellKey};
 use super::run::Variant;
+use super::write::NAMES;
 use crate::film::FilmError;
-use crate::film::beside::write_beside;
+use crate::film::beside::{check_writable, write_beside};
 use crate::film::checksum::Checksum;
 use crate::process;
 use serde::{Deserialize, Serialize};
@@ -87,6 +88,9 @@ impl Store {
         }
         let images = folder.join("cells");
         std::fs::create_dir_all(&images).map_err(|source| StoreError::Folder { path: images, source })?;
+        // What the study ends in, before it begins.
+        NAMES.iter().try_for_each(|name| check_writable(&folder.join(name)))?;
+        check_writable(&store.file())?;
         Ok(store)
     }
 
