@@ -7,11 +7,10 @@ use super::path::{mis_weight, same_side};
 use super::pattern;
 use super::surface::Surface;
 use super::world::World;
-use crate::accel::{Brute, Shadow, Stream};
+use crate::accel::{Built, Shadow, Stream};
 use crate::geometry::{Hit, MISS, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::light::{sphere_pdf, triangle_pdf};
-use crate::plan::GeometryMode;
 use crate::sampling::{Frame, warp};
 use std::f32::consts::{PI, TAU};
 
@@ -111,10 +110,7 @@ struct View<'a, R: Real> {
 }
 
 fn closest<R: Real>(world: &World, ray: &Ray<R>, active: R::Mask) -> Hit<R> {
-    match world.plan.geometry {
-        GeometryMode::Brute => world.closest::<R, Brute>(ray, active),
-        _ => world.closest::<R, Stream>(ray, active),
-    }
+    world.closest::<R, Built<Stream>>(ray, active)
 }
 
 /// Reflected to the viewer's side, by both normals.
@@ -165,10 +161,7 @@ fn light<R: Real>(view: &View<R>, u: [R; 3], combined: bool) -> Vec3<R> {
     }
     let eval = surface.material.eval::<AllModels>(&world.plan, wo, wi, active);
     let ray = light_ray(surface, &light);
-    let occluded = match world.plan.geometry {
-        GeometryMode::Brute => world.occluded::<R, Brute>(&ray, active),
-        _ => world.occluded::<R, Shadow>(&ray, active),
-    };
+    let occluded = world.occluded::<R, Built<Shadow>>(&ray, active);
     let weight = if combined { mis_weight(light.pdf, eval.pdf) } else { R::one() };
     let weight = weight * softened(world, surface, light.wi, wi, wo);
     (eval.value.hadamard(light.radiance) * (weight / light.pdf)).masked(active & !occluded)

@@ -169,7 +169,7 @@ pub fn select(world: &World, width: Width) -> Kernel {
         (Estimator::Path, _, Shading::General) => widths!(width, path, [TreeTraversal, AllModels]),
         (Estimator::Gather, GeometryMode::Brute, _) => widths!(width, gather, [BruteForce]),
         (Estimator::Gather, _, _) => widths!(width, gather, [TreeTraversal]),
-        (Estimator::View, _, _) => widths!(width, view, [AsBuilt]),
+        (Estimator::View, ..) => widths!(width, view, [AsBuilt]),
     }
 }
 

@@ -12,7 +12,7 @@ use crate::accel::{Accel, BuildOptions, BuildReport, Preset};
 use crate::geometry::{Rows, SphereRows, TriangleRows};
 use crate::lane::float_mode;
 use crate::light::{Emitter, EmitterShape, EnvironmentMap, Extent, LightError, Lights, Receivers, SkySamples};
-use crate::plan::{GeometryMode, Plan};
+use crate::plan::Plan;
 use crate::sampling::SamplerKind;
 use crate::scene::{DeltaLight, Integrator, IntegratorKind, NO_NORMAL, NO_TEXCOORD, Scene};
 use std::time::Instant;
@@ -62,10 +62,7 @@ impl World {
         let positions: Vec<[f32; 3]> = scene.mesh.positions.iter().map(|p| p.map(|x| x * scale)).collect();
         let spheres: Vec<([f32; 3], f32)> =
             scene.spheres.iter().map(|s| (s.center.map(|x| x * scale), s.radius * scale)).collect();
-        let build = match plan.geometry {
-            GeometryMode::Brute => BuildOptions::lists(),
-            _ => BuildOptions::trees(options.build),
-        };
+        let build = if plan.geometry.has_tree() { BuildOptions::trees(options.build) } else { BuildOptions::lists() };
         let ((accel, tree_seconds), (triangles, lights, lights_seconds)) = rayon::join(
             || {
                 let accel = Accel::build(&positions, &scene.mesh.triangles, &spheres, build);

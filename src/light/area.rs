@@ -93,11 +93,11 @@ impl AreaLights {
         }
         let lamps: Vec<Lamp> = (0..self.probability.len()).map(|i| self.lamp(i)).collect();
         self.grid = ChoiceGrid::build(&lamps, receivers).map(|choice| {
-            let mut lamps = vec![0; receivers.triangles.len() + receivers.spheres.len()];
+            let mut of_primitive = vec![0; receivers.triangles.len() + receivers.spheres.len()];
             for (row, primitive) in self.primitives.iter().enumerate() {
-                lamps[*primitive as usize] = lamp_of(row, self.pairs) as u32;
+                of_primitive[*primitive as usize] = lamp_of(row, self.pairs) as u32;
             }
-            Grid { choice, lamp_of: lamps }
+            Grid { choice, lamp_of: of_primitive }
         });
     }
 
@@ -109,8 +109,7 @@ impl AreaLights {
             let vertices = [vector(P0), vector(P0) + vector(E1), vector(P0) + vector(E2)];
             [0, 1, 2].map(|k| vertices[(corner as usize + k) % 3])
         };
-        let slopes = (self.pairs > 0).then(|| Slopes::of((0..self.pairs).map(vertices)));
-        self.slopes = slopes;
+        self.slopes = (self.pairs > 0).then(|| Slopes::of((0..self.pairs).map(vertices)));
     }
 
     fn lamp(&self, i: usize) -> Lamp {

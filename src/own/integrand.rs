@@ -1,12 +1,11 @@
 //! What camera samples find, computed by a program's own function.
 
-use crate::accel::{Brute, Mode, Packet, Shadow, Stream};
+use crate::accel::{Brute, Built, Mode, Packet, Shadow, Stream};
 use crate::bsdf::{Eval, Sample};
 use crate::geometry::{Hit, Ray};
 use crate::kernel::{AllModels, CameraQueue, Counters, Job, SampleBuffer, Surface, World, cutout};
 use crate::lane::{Real, Vec3};
 use crate::light::LightSample;
-use crate::plan::GeometryMode;
 use crate::sampling::dimensions::{BOUNCE, BSDF_DIRECTION, BSDF_LOBE, LIGHT_CHOICE, LIGHT_POSITION};
 use crate::sampling::{Frame, Sampler};
 
@@ -79,10 +78,9 @@ impl<R: Real> CameraSample<'_, R> {
     /// The closest hits. Cut-outs let rays pass by the numbers that [`CameraSample::numbers`] would give next.
     pub fn closest(&mut self, ray: &Ray<R>, active: R::Mask) -> Hit<R> {
         self.counters.traced(self.bounce == 0.0, active);
-        match (self.world.plan.geometry, self.bounce == 0.0) {
-            (GeometryMode::Brute, _) => self.closest_by::<Brute>(ray, active),
-            (_, true) => self.closest_by::<Packet>(ray, active),
-            (_, false) => self.closest_by::<Stream>(ray, active),
+        match self.bounce == 0.0 {
+            true => self.closest_by::<Built<Packet>>(ray, active),
+            false => self.closest_by::<Built<Stream>>(ray, active),
         }
     }
 
@@ -93,10 +91,7 @@ impl<R: Real> CameraSample<'_, R> {
     /// Is anything in the way, up to the ray's `t_max`? Cut-outs count as whole.
     pub fn occluded(&mut self, ray: &Ray<R>, active: R::Mask) -> R::Mask {
         self.counters.shadow(active);
-        match self.world.plan.geometry {
-            GeometryMode::Brute => self.world.occluded::<R, Brute>(ray, active),
-            _ => self.world.occluded::<R, Shadow>(ray, active),
-        }
+        self.world.occluded::<R, Built<Shadow>>(ray, active)
     }
 
     /// Point, normals and material at hits, of the lanes in `found`, all of which have one.

@@ -105,8 +105,8 @@ impl Rates {
     /// Samples that a tile of average rate may have.
     pub const MOST_SAMPLES: u64 = MAX_SAMPLES >> MOST;
 
-    /// By a pilot on an empty film, of a quarter of the samples or a sample a group, or half the time; `None` if that is too little for one, or the user
-    /// interrupts: the film is empty then, too. Its rays are added to `counters`. In the current thread pool.
+    /// By a pilot on an empty film, of a quarter of the samples or a sample a group, or half the time; `None` if that is too
+    /// little for one, or the user interrupts: the film is empty then, too. Its rays are added to `counters`. In the current thread pool.
     ///
     /// Light paths of the first samples come before it, to show how bright their light is. They are kept: pixels are given what
     /// they bring whatever their samples.

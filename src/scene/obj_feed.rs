@@ -95,9 +95,9 @@ impl<'a> Feed<'a> {
     }
 
     fn position(&mut self, rest: &str, outline: &mut Outline) -> Result<(), Wrong> {
-        let mut words = words(rest);
+        let (mut words, mut word) = (words(rest), "");
         for _ in 0..3 {
-            let word = words.next().ok_or_else(|| broken("a vertex has three coordinates", "give x, y and z"))?;
+            word = words.next().ok_or_else(|| broken("a vertex has three coordinates", "give x, y and z"))?;
             if !is_plain(word) && number(word).and_then(|x| FINITE.admit(x)).is_none() {
                 return fail(format!("`{word}` is not a finite number"), "give finite vertex coordinates");
             }
@@ -106,37 +106,37 @@ impl<'a> Feed<'a> {
             None | Some(Some(1.0)) => {}
             _ => outline.pass_over("v", self.line, "what follows x y z (weight or colour) is not used"),
         }
-        self.put_words("v", rest, 3);
+        self.put_up_to("v", rest, word);
         outline.positions += 1;
         within_32_bits(outline.positions, "vertices")
     }
 
     fn normal(&mut self, rest: &str, outline: &mut Outline) -> Result<(), Wrong> {
-        let mut words = words(rest);
+        let (mut words, mut word) = (words(rest), "");
         for _ in 0..3 {
-            let word = words.next().ok_or_else(|| broken("a normal has three components", "give x, y and z"))?;
+            word = words.next().ok_or_else(|| broken("a normal has three components", "give x, y and z"))?;
             // NaN and infinity pass: exporters write them for degenerate faces, which are then shaded flat.
             if !is_plain(word) && number(word).is_none() {
                 return fail(format!("`{word}` is not a number"), "give three numbers, or leave the normal out");
             }
         }
-        self.put_words("vn", rest, 3);
+        self.put_up_to("vn", rest, word);
         outline.normals += 1;
         within_32_bits(outline.normals, "normals")
     }
 
-    /// A line of the first `count` words of `rest` as they stand: in one go, since most lines are longer to write than to judge.
-    fn put_words(&mut self, key: &str, rest: &str, count: usize) {
-        let end =
-            words(rest).take(count).last().map_or(0, |word| word.as_ptr().addr() - rest.as_ptr().addr() + word.len());
+    /// A line of the words of `rest` as they stand, the `last` of which is a part of it: one copy, not one a word.
+    fn put_up_to(&mut self, key: &str, rest: &str, last: &str) {
+        let end = last.as_ptr().addr() - rest.as_ptr().addr() + last.len();
         self.ready.push_str(key);
         self.ready.push_str(&rest[..end]);
         self.ready.push('\n');
     }
 
     fn face(&mut self, rest: &str, outline: &mut Outline) -> Result<(), Wrong> {
-        let (mut corners, mut with_normal, mut with_texture) = (0, 0, false);
+        let (mut corners, mut with_normal, mut with_texture, mut last) = (0, 0, false, "");
         for corner in words(rest) {
+            last = corner;
             let [position, texture, normal] = indices(corner, self.line, outline)?;
             if !position {
                 return fail(format!("face corner `{corner}` names no vertex"), "write vertex[/texture[/normal]]");
@@ -145,15 +145,15 @@ impl<'a> Feed<'a> {
             with_normal += usize::from(normal);
             with_texture |= texture;
         }
+        if corners < 3 {
+            return fail(format!("a face has at least 3 corners, this one {corners}"), "remove it or complete it");
+        }
         if with_texture {
             self.ready.push('f');
             words(rest).for_each(|corner| self.put_untextured(corner));
             self.ready.push('\n');
         } else {
-            self.put_words("f", rest, corners);
-        }
-        if corners < 3 {
-            return fail(format!("a face has at least 3 corners, this one {corners}"), "remove it or complete it");
+            self.put_up_to("f", rest, last);
         }
         if with_normal < corners {
             if self.smoothing {

@@ -13,9 +13,8 @@ use crate::estimate::bmc::Pilot;
 use crate::kernel::path::Traversal;
 use crate::kernel::tile::{Counters, Job, SampleBuffer};
 use crate::kernel::world::World;
-use crate::kernel::{BruteForce, TreeTraversal, Width};
+use crate::kernel::{AsBuilt, Width};
 use crate::lane::{Mask, Real, f32x8, f32x16};
-use crate::plan::GeometryMode;
 use crate::sampling::dimensions::BSDF_LOBE;
 use crate::sampling::{Sampler, SamplerKind, child_key};
 use crate::scene::GatherShrinkage;
@@ -138,13 +137,10 @@ fn pilot(world: &World) -> (Vec<Pilot>, u64) {
 
 /// Lanes leave no trace in what is seen: the fastest will do.
 fn watched(world: &World, job: &Job) -> (Watch, u64) {
-    let look = match (Width::native(), world.plan.geometry) {
-        (Width::Sixteen, GeometryMode::Brute) => look_through::<f32x16, BruteForce>,
-        (Width::Sixteen, _) => look_through::<f32x16, TreeTraversal>,
-        (_, GeometryMode::Brute) => look_through::<f32x8, BruteForce>,
-        _ => look_through::<f32x8, TreeTraversal>,
-    };
-    look(world, job)
+    match Width::native() {
+        Width::Sixteen => look_through::<f32x16, AsBuilt>(world, job),
+        _ => look_through::<f32x8, AsBuilt>(world, job),
+    }
 }
 
 fn look_through<R: Real, T: Traversal>(world: &World, job: &Job) -> (Watch, u64) {
