@@ -146,6 +146,19 @@ fn faces_without_normals_get_none_of_their_neighbours() {
     assert!(flat.mesh.normals.is_empty() && flat.mesh.normal_indices.is_empty());
 }
 
+/// What tobj is given leaves texture coordinates out and nothing else, be indices counted from either end.
+#[test]
+fn normals_stay_beside_texture_coordinates() {
+    let faces = ["f 1/1/2 2/1/2 3/1/2", "f -4/-1/-2 -3/-1/-2 -1/-1/-2", "f 1/1 2/1 3/1", "f 1/1 2//1 3/1/1"];
+    let obj = format!("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nvn 1 0 0\n{}\n", faces.join("\n"));
+    let scene = scene_of(&obj, "");
+    let has: Vec<bool> = scene.mesh.normal_indices.iter().map(|t| t[0] != NO_NORMAL).collect();
+    assert_eq!(has, [true, true, false, false]);
+    assert_eq!(shading_normal(&scene, 0, 2), [1.0, 0.0, 0.0]);
+    assert_eq!(shading_normal(&scene, 1, 0), [0.0, 0.0, 1.0]);
+    assert_eq!(corners(&scene, 1), [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+}
+
 #[test]
 fn meshes_are_concatenated() {
     let smooth = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
