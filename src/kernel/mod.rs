@@ -167,8 +167,7 @@ pub fn select(world: &World, width: Width) -> Kernel {
         (Estimator::Path, GeometryMode::Brute, Shading::General) => widths!(width, path, [BruteForce, AllModels]),
         (Estimator::Path, _, Shading::Lambert) => widths!(width, path, [TreeTraversal, LambertOnly]),
         (Estimator::Path, _, Shading::General) => widths!(width, path, [TreeTraversal, AllModels]),
-        (Estimator::Gather, GeometryMode::Brute, _) => widths!(width, gather, [BruteForce]),
-        (Estimator::Gather, _, _) => widths!(width, gather, [TreeTraversal]),
+        (Estimator::Gather, ..) => widths!(width, gather, [AsBuilt]),
         (Estimator::View, ..) => widths!(width, view, [AsBuilt]),
     }
 }

@@ -20,7 +20,6 @@ use super::world::World;
 use crate::geometry::{Hit, Ray};
 use crate::lane::{Bits, Mask, Real, Vec3, array};
 use crate::plan::Shading;
-use core::marker::PhantomData;
 
 /// Paths of a worker on their way at once: they and what waits stay in the second cache; 128 were up to 5 % slower.
 const POOL: usize = 512;
@@ -42,19 +41,19 @@ pub fn render<R: Real, T: Traversal, S: Shade, P: Probe>(
         out.share(job.slots(), S::Models::SHADING == Shading::General || world.plan.shading_normals);
     }
     let mut camera = CameraQueue::<R>::new(world, job);
-    let mut wave = Wave::<R, T, S, P>::new(world, shade, POOL, out, counters, probe);
-    wave.run(|counters| {
+    let mut wave = Wave::<R, S, P>::new(world, shade, POOL, out, counters, probe);
+    wave.run::<T>(|counters| {
         let packet = camera.next_packet::<T::Camera>(true)?;
         counters.traced(true, packet.active);
         Some(Paths::begin(packet.ray, packet.hit, packet.rng, packet.slot, packet.active))
     });
     if world.plan.path_reuse {
-        reuse::connect::<R, T, S, P>(world, job, out, counters, probe);
+        reuse::connect::<R, S, P>(world, job, out, counters, probe);
     }
 }
 
-/// See the module.
-pub(super) struct Wave<'a, R: Real, T, S, P> {
+/// See the module. Only what traces is compiled for each [`Traversal`]: what shades, which is most of it, is not.
+pub(super) struct Wave<'a, R: Real, S, P> {
     world: &'a World,
     shade: &'a S,
     out: &'a mut SampleBuffer,
@@ -70,10 +69,9 @@ pub(super) struct Wave<'a, R: Real, T, S, P> {
     shadows: Queue<R, SHADOW>,
     /// Slots and last bounces of paths that ended in this generation; only for a probe.
     ended: Vec<(u32, f32)>,
-    kinds: PhantomData<T>,
 }
 
-impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
+impl<'a, R: Real, S: Shade, P: Probe> Wave<'a, R, S, P> {
     /// Nothing on its way; room for `pool` paths, and one packet at least.
     pub fn new(
         world: &'a World,
@@ -99,32 +97,31 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
             missed: Queue::new(2 * R::WIDTH),
             shadows: Queue::new(room),
             ended: Vec::new(),
-            kinds: PhantomData,
         }
     }
 
     /// Takes paths that have been traced from `camera` as long as it has any, and follows all to their end.
-    pub fn run(&mut self, mut camera: impl FnMut(&mut Counters) -> Option<Paths<R>>) {
+    pub fn run<T: Traversal>(&mut self, mut camera: impl FnMut(&mut Counters) -> Option<Paths<R>>) {
         let mut more = true;
         loop {
             core::mem::swap(&mut self.going, &mut self.next);
             for first in (0..self.going.len()).step_by(R::WIDTH * TOGETHER) {
-                self.trace(first);
+                self.trace::<T>(first);
             }
             self.going.clear();
             while more && self.next.len() + self.hits.len() < self.pool {
                 match camera(self.counters) {
                     Some(paths) => {
                         self.begin(paths);
-                        self.shade_full();
+                        self.shade_full::<T>();
                     }
                     None => more = false,
                 }
             }
             if !more {
-                self.shade_rest();
+                self.shade_rest::<T>();
             }
-            self.trace_shadows();
+            self.trace_shadows::<T>();
             if !more && self.next.is_empty() {
                 break;
             }
@@ -135,7 +132,7 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
 
     /// Traces the packets from `first` on.
     #[inline(never)]
-    fn trace(&mut self, first: usize) {
+    fn trace<T: Traversal>(&mut self, first: usize) {
         let count = (self.going.len() - first).div_ceil(R::WIDTH).min(TOGETHER);
         let nowhere = Ray::new(Vec3::zero(), Vec3::zero(), R::zero());
         let (mut rays, mut active) = ([nowhere; TOGETHER], [R::Mask::splat(false); TOGETHER]);
@@ -153,14 +150,14 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
         }
         self.world.closest_many::<R, T::Bounce>(&rays[..count], &active[..count], &mut hits[..count]);
         for (k, hit) in hits[..count].iter().enumerate() {
-            self.arrive(first + k * R::WIDTH, *hit, active[k]);
+            self.arrive::<T>(first + k * R::WIDTH, *hit, active[k]);
         }
-        self.shade_full();
+        self.shade_full::<T>();
     }
 
     /// The packet of rays from `first` on has been traced: those that hit wait to be [shaded](Self::shade_full).
     #[inline(always)]
-    fn arrive(&mut self, first: usize, mut hit: Hit<R>, alive: R::Mask) {
+    fn arrive<T: Traversal>(&mut self, first: usize, mut hit: Hit<R>, alive: R::Mask) {
         if self.world.plan.cutouts {
             let Paths { ray, rng, bounce, .. } = unpack(|k| self.going.field(k, first), alive);
             hit = cutout::stopping::<R, T::Bounce>(self.world, &ray, &rng, bounce, hit, alive);
@@ -232,20 +229,27 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
     }
 
     /// Shades the packets that have filled.
-    fn shade_full(&mut self) {
+    fn shade_full<T: Traversal>(&mut self) {
         let full = self.hits.full();
         if full > 0 {
             for first in (0..full).step_by(R::WIDTH) {
-                self.shade(first);
+                self.shade_at::<T>(first);
             }
             self.hits.keep_rest();
         }
     }
 
-    fn shade_rest(&mut self) {
+    fn shade_rest<T: Traversal>(&mut self) {
         if !self.hits.is_empty() {
-            self.shade(0);
+            self.shade_at::<T>(0);
             self.hits.clear();
+        }
+    }
+
+    fn shade_at<T: Traversal>(&mut self, first: usize) {
+        self.shade(first);
+        if self.shadows.len() >= self.pool {
+            self.trace_shadows::<T>();
         }
     }
 
@@ -265,15 +269,12 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
             paths.bounce = paths.bounce + R::one();
             self.next.push(paths.alive, &pack(&paths));
         }
-        if self.shadows.len() >= self.pool {
-            self.trace_shadows();
-        }
     }
 
     /// Adds what no shadow ray of this generation finds hidden.
-    fn trace_shadows(&mut self) {
+    fn trace_shadows<T: Traversal>(&mut self) {
         for first in (0..self.shadows.len()).step_by(R::WIDTH * TOGETHER) {
-            self.trace_some_shadows(first);
+            self.trace_some_shadows::<T>(first);
         }
         self.shadows.clear();
         self.tap_ends();
@@ -281,7 +282,7 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
 
     /// Of the packets from `first` on.
     #[inline(never)]
-    fn trace_some_shadows(&mut self, first: usize) {
+    fn trace_some_shadows<T: Traversal>(&mut self, first: usize) {
         let count = (self.shadows.len() - first).div_ceil(R::WIDTH).min(TOGETHER);
         let none = R::Mask::splat(false);
         let mut rays = [Ray::new(Vec3::zero(), Vec3::zero(), R::zero()); TOGETHER];
@@ -292,13 +293,13 @@ impl<'a, R: Real, T: Traversal, S: Shade, P: Probe> Wave<'a, R, T, S, P> {
         }
         self.world.occluded_many::<R, T::Shadow>(&rays[..count], &active[..count], &mut occluded[..count]);
         for (k, occluded) in occluded.into_iter().enumerate().take(count) {
-            self.add_unhidden(first + k * R::WIDTH, active[k], occluded);
+            self.add_unhidden::<T>(first + k * R::WIDTH, active[k], occluded);
         }
     }
 
     /// Of the packet from `first` on.
     #[inline(always)]
-    fn add_unhidden(&mut self, first: usize, carries: R::Mask, occluded: R::Mask) {
+    fn add_unhidden<T: Traversal>(&mut self, first: usize, carries: R::Mask, occluded: R::Mask) {
         let [r, g, b, slot, bounce] = self.shadows.fields(CONTRIBUTION, first);
         let (world, contribution) = (self.world, Vec3::new(r, g, b));
         let lanes = |active| Lanes::<R> { slot: slot.to_bits(), bounce, active };

@@ -155,7 +155,8 @@ impl Beams {
         paths.bsdf_pdf = R::select(direct, R::splat(f32::INFINITY), R::splat(LEFT_TO_LIGHT_SAMPLES));
         paths.bounce = R::one();
         let mut start = Some(paths);
-        Wave::<R, T, AllModels, NoProbe>::new(world, &AllModels, 1, out, counters, &mut NoProbe).run(|_| start.take());
+        Wave::<R, AllModels, NoProbe>::new(world, &AllModels, 1, out, counters, &mut NoProbe)
+            .run::<T>(|_| start.take());
         Vec3::from_fn(|lane| out.rgb[lane])
     }
 }

@@ -5,7 +5,6 @@ use super::pairs::{First, Second, material_of};
 use super::segments::Segments;
 use super::{ROW, Row, Shared, place};
 use crate::geometry::shadow_ray;
-use crate::kernel::path::Traversal;
 use crate::kernel::probe::{Lanes, Probe, Stage};
 use crate::kernel::queue::Queue;
 use crate::kernel::shade::Shade;
@@ -70,7 +69,7 @@ impl<R: Real> Group<R> {
     }
 
     /// Adds to each pixel what it would have scattered of all finds.
-    pub fn connect<T: Traversal, S: Shade, P: Probe>(
+    pub fn connect<S: Shade, P: Probe>(
         &mut self,
         world: &World,
         out: &mut SampleBuffer,
@@ -87,7 +86,7 @@ impl<R: Real> Group<R> {
                 table.resize(room, 0.0);
             }
         }
-        self.weigh::<T, S>(world, &out.shared, stride, counters);
+        self.weigh::<S>(world, &out.shared, stride, counters);
         for (find, row) in self.finds.iter_mut().zip(self.density.chunks_exact(stride)) {
             let sum = in_parts(row);
             let scale = if sum > 0.0 { sum.recip() } else { 0.0 };
@@ -136,13 +135,7 @@ impl<R: Real> Group<R> {
     }
 
     /// Fills the tables.
-    fn weigh<T: Traversal, S: Shade>(
-        &mut self,
-        world: &World,
-        shared: &Shared,
-        stride: usize,
-        counters: &mut Counters,
-    ) {
+    fn weigh<S: Shade>(&mut self, world: &World, shared: &Shared, stride: usize, counters: &mut Counters) {
         let mut segments = Segments::new();
         for k in 0..self.finds.len() {
             let seen = self.look(world, shared, &self.finds[k]);
@@ -161,11 +154,11 @@ impl<R: Real> Group<R> {
                 }
                 let ray = shadow_ray(vertex.left, &seen.second.at, seen.second.ng);
                 if segments.add(ray, density.gt(R::zero()), at, !seen.plain) {
-                    segments.trace::<T>(world, &mut self.density, &mut self.value, counters);
+                    segments.trace(world, &mut self.density, &mut self.value, counters);
                 }
             }
         }
-        segments.trace::<T>(world, &mut self.density, &mut self.value, counters);
+        segments.trace(world, &mut self.density, &mut self.value, counters);
     }
 
     /// Sums over the finds.

@@ -3,7 +3,6 @@
 use super::connect::Group;
 use super::finds;
 use super::spread::spread;
-use crate::kernel::path::Traversal;
 use crate::kernel::probe::{Lanes, Probe, Stage};
 use crate::kernel::shade::Shade;
 use crate::kernel::tile::{Counters, Job, SampleBuffer};
@@ -21,7 +20,7 @@ const SALT: u64 = 0x7265_7573_655f_6b65;
 
 /// Gives every pixel of a job its part of what the paths of its group found: blocks of pixels, at the same sample.
 #[inline(never)]
-pub fn connect<R: Real, T: Traversal, S: Shade, P: Probe>(
+pub fn connect<R: Real, S: Shade, P: Probe>(
     world: &World,
     job: &Job,
     out: &mut SampleBuffer,
@@ -49,7 +48,7 @@ pub fn connect<R: Real, T: Traversal, S: Shade, P: Probe>(
                 let spread = spread::<R, S>(&group, world, &out.shared);
                 let number = finds::balanced(&group.finds, spread, &slots, &out.shared, &out.rgb);
                 finds::choose(&mut group.finds, number, u);
-                group.connect::<T, S, P>(world, out, counters, probe);
+                group.connect::<S, P>(world, out, counters, probe);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Between which first and second vertices nothing is in the way.
 
+use crate::accel::{Built, Shadow};
 use crate::geometry::Ray;
-use crate::kernel::path::Traversal;
 use crate::kernel::tile::Counters;
 use crate::kernel::world::World;
 use crate::lane::{Mask, Real, Vec3};
@@ -43,16 +43,10 @@ impl<R: Real> Segments<R> {
 
     /// Traces them; what is hidden is cleared in the tables.
     #[inline(always)]
-    pub fn trace<T: Traversal>(
-        &mut self,
-        world: &World,
-        density: &mut [f32],
-        values: &mut [Vec<f32>; 3],
-        counters: &mut Counters,
-    ) {
+    pub fn trace(&mut self, world: &World, density: &mut [f32], values: &mut [Vec<f32>; 3], counters: &mut Counters) {
         let mut occluded = [R::Mask::splat(false); TOGETHER];
         let count = core::mem::take(&mut self.count);
-        world.occluded_many::<R, T::Shadow>(&self.rays[..count], &self.active[..count], &mut occluded[..count]);
+        world.occluded_many::<R, Built<Shadow>>(&self.rays[..count], &self.active[..count], &mut occluded[..count]);
         let segments = self.places.iter().zip(&self.active).zip(occluded).take(count);
         for ((&(at, has_values), &active), occluded) in segments {
             counters.shadow(active);
