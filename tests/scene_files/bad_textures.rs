@@ -2,26 +2,35 @@
 
 use super::{CAMERA, Files};
 use exr::prelude::WritableImage;
-use image::{ExtendedColorType, ImageEncoder};
+use jpeg_encoder::{ColorType as JpegColour, Encoder as JpegEncoder};
 use octolux::scene::{Channel, Scene, SceneError, Texels};
 use proptest::prelude::*;
 
 const OBJ: &str = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n";
 
 fn png(width: u32, height: u32, channels: usize) -> Vec<u8> {
-    let kind = [ExtendedColorType::L8, ExtendedColorType::La8, ExtendedColorType::Rgb8, ExtendedColorType::Rgba8];
+    use png::ColorType::{Grayscale, GrayscaleAlpha, Rgb, Rgba};
+    let kind = [Grayscale, GrayscaleAlpha, Rgb, Rgba][channels - 1];
     let texels: Vec<u8> = (0..width as usize * height as usize * channels).map(|i| (i * 37 % 251) as u8).collect();
+    encode_png([width, height], kind, png::BitDepth::Eight, &texels)
+}
+
+fn encode_png([width, height]: [u32; 2], kind: png::ColorType, depth: png::BitDepth, texels: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
-    encoder.write_image(&texels, width, height, kind[channels - 1]).expect("an image in memory");
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(kind);
+    encoder.set_depth(depth);
+    encoder.write_header().and_then(|mut writer| writer.write_image_data(texels)).expect("an image in memory");
     bytes
 }
 
-fn jpeg(width: u32, height: u32) -> Vec<u8> {
-    let texels = vec![200; (width * height * 3) as usize];
+fn jpeg(width: u16, height: u16) -> Vec<u8> {
+    encode_jpeg([width, height], JpegColour::Rgb, &vec![200; usize::from(width) * usize::from(height) * 3])
+}
+
+fn encode_jpeg([width, height]: [u16; 2], kind: JpegColour, texels: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let encoder = image::codecs::jpeg::JpegEncoder::new(&mut bytes);
-    encoder.write_image(&texels, width, height, ExtendedColorType::Rgb8).expect("an image in memory");
+    JpegEncoder::new(&mut bytes, 90).encode(texels, width, height, kind).expect("an image in memory");
     bytes
 }
 
@@ -60,15 +69,14 @@ fn what_is_read() {
 #[test]
 fn words_and_grey_photos() {
     let words: Vec<u16> = (0..18).map(|i| 0x0102 + 0x0301 * i).collect();
-    let mut file = Vec::new();
-    let raw: Vec<u8> = words.iter().flat_map(|word| word.to_ne_bytes()).collect();
-    image::codecs::png::PngEncoder::new(&mut file).write_image(&raw, 3, 2, ExtendedColorType::Rgb16).expect("words");
+    // The file's words are big-endian (PNG, third edition, §7.1).
+    let raw: Vec<u8> = words.iter().flat_map(|word| word.to_be_bytes()).collect();
+    let file = encode_png([3, 2], png::ColorType::Rgb, png::BitDepth::Sixteen, &raw);
     let scene = load("map_Kd t.png", "t.png", &file).unwrap_or_else(|error| panic!("{error}"));
     let image = &scene.materials[0].maps.colour.as_ref().expect("a texture").image;
     assert!(matches!(&image.texels, Texels::Words(found) if *found == words) && image.channels == 3);
 
-    let mut file = Vec::new();
-    image::codecs::jpeg::JpegEncoder::new(&mut file).write_image(&[90; 64], 8, 8, ExtendedColorType::L8).expect("grey");
+    let file = encode_jpeg([8, 8], JpegColour::Luma, &[90; 64]);
     let scene = load("map_Kd t.jpg", "t.jpg", &file).unwrap_or_else(|error| panic!("{error}"));
     let image = &scene.materials[0].maps.colour.as_ref().expect("a texture").image;
     let is_grey = matches!(&image.texels, Texels::Bytes(b) if b.len() == 64 && b.iter().all(|&b| b.abs_diff(90) < 4));
