@@ -12,29 +12,32 @@ thread_local! {
 /// Values in a line of cache.
 const LINE: usize = 64 / size_of::<f32>();
 
-/// Rows of `N` values, one field after the other in memory, so that a packet of them is `N` loads.
-pub struct Queue<R, const N: usize> {
+/// Rows that a queue of a [wave](super::wave)'s has room for, registers past the last row included: 35 lines of cache, an odd
+/// number, so that fields at the same row fall into different sets.
+pub const ROOM: usize = 560;
+
+/// Rows of `N` values, one field after the other in memory, so that a packet of them is `N` loads. `S` values lie from one
+/// field to the next: as many rows fit, with a register's width past the last. (Being constants, they leave one test of
+/// bounds a packet, not one a field.)
+pub struct Queue<R, const N: usize, const S: usize = ROOM> {
     values: Vec<f32>,
     /// Where the first field starts: packets are to start with a line of cache, and vectors are aligned to 4 bytes only.
     start: usize,
-    /// From one field to the next.
-    stride: usize,
     len: usize,
     lanes: PhantomData<R>,
 }
 
-impl<R: Real, const N: usize> Queue<R, N> {
-    /// Empty, with room for `rows`.
-    pub fn new(rows: usize) -> Self {
-        // Whole registers are written and read past the last row.
-        let stride = (rows + R::WIDTH).next_multiple_of(LINE);
-        let needed = N * stride + LINE;
+impl<R: Real, const N: usize, const S: usize> Queue<R, N, S> {
+    /// Empty.
+    pub fn new() -> Self {
+        const { assert!(S % LINE == 0) };
+        let needed = N * S + LINE;
         let mut values = SPARE.with_borrow_mut(Vec::pop).unwrap_or_default();
         if values.len() < needed {
             values.resize(needed, 0.0);
         }
         let start = values.as_ptr().align_offset(64) % LINE;
-        Queue { values, start, stride, len: 0, lanes: PhantomData }
+        Queue { values, start, len: 0, lanes: PhantomData }
     }
 
     pub fn len(&self) -> usize {
@@ -49,38 +52,47 @@ impl<R: Real, const N: usize> Queue<R, N> {
         self.len = 0;
     }
 
+    #[inline(always)]
+    fn table(&self) -> &[[f32; S]] {
+        self.values[self.start..][..N * S].as_chunks().0
+    }
+
+    #[inline(always)]
+    fn table_mut(&mut self) -> &mut [[f32; S]] {
+        self.values[self.start..][..N * S].as_chunks_mut().0
+    }
+
     /// Appends the lanes of `mask`, in order. Panics where there is no room.
     #[inline(always)]
     pub fn push(&mut self, mask: R::Mask, row: &[R; N]) {
-        let bits = mask.bits();
+        let (bits, len) = (mask.bits(), self.len);
+        let table = self.table_mut();
         // All fields at constant places, so that the row need not be in memory.
-        let mut places = &mut self.values[self.start..][..N * self.stride];
         let mut k = 0;
         while k < N {
-            let (field, rest) = places.split_at_mut(self.stride);
-            row[k].compress(bits).store(&mut field[self.len..]);
-            (places, k) = (rest, k + 1);
+            row[k].compress(bits).store(&mut table[k][len..][..R::WIDTH]);
+            k += 1;
         }
         self.len += bits.count_ones() as usize;
     }
 
     /// Appends the lanes of `mask` of the packet of `rows` that starts with its row `first`, with more values each.
     #[inline(always)]
-    pub fn push_longer<const K: usize, const M: usize>(
+    pub fn push_longer<const K: usize, const M: usize, const T: usize>(
         &mut self,
         mask: R::Mask,
-        rows: &Queue<R, K>,
+        rows: &Queue<R, K, T>,
         first: usize,
         more: [R; M],
     ) {
         const { assert!(K + M == N) };
         let (bits, len) = (mask.bits(), self.len);
-        let mut fields = self.values[self.start..].chunks_exact_mut(self.stride);
-        for (source, field) in rows.values[rows.start..].chunks_exact(rows.stride).take(K).zip(&mut fields) {
-            R::load(&source[first..]).compress(bits).store(&mut field[len..]);
+        let (fields, added) = self.table_mut().split_at_mut(K);
+        for (source, field) in rows.table().iter().zip(fields) {
+            R::load(&source[first..][..R::WIDTH]).compress(bits).store(&mut field[len..][..R::WIDTH]);
         }
-        for (value, field) in more.iter().zip(fields) {
-            value.compress(bits).store(&mut field[len..]);
+        for (value, field) in more.iter().zip(added) {
+            value.compress(bits).store(&mut field[len..][..R::WIDTH]);
         }
         self.len += bits.count_ones() as usize;
     }
@@ -94,7 +106,7 @@ impl<R: Real, const N: usize> Queue<R, N> {
     /// One value of each row of the packet from `first` on.
     #[inline(always)]
     pub fn field(&self, field: usize, first: usize) -> R {
-        R::load(&self.values[self.start + field * self.stride + first..])
+        R::load(&self.table()[field][first..][..R::WIDTH])
     }
 
     /// `K` values from `field` on of the packet of rows from `first` on.
@@ -117,14 +129,14 @@ impl<R: Real, const N: usize> Queue<R, N> {
     /// Forgets the rows that fill packets.
     pub fn keep_rest(&mut self) {
         let full = self.full();
-        for field in self.values[self.start..].chunks_exact_mut(self.stride).take(N) {
-            R::load(&field[full..]).store(field);
+        for field in self.table_mut() {
+            R::load(&field[full..][..R::WIDTH]).store(field);
         }
         self.len -= full;
     }
 }
 
-impl<R, const N: usize> Drop for Queue<R, N> {
+impl<R, const N: usize, const S: usize> Drop for Queue<R, N, S> {
     fn drop(&mut self) {
         // At the end of a thread there is no place for it.
         let _ = SPARE.try_with(|spare| spare.borrow_mut().push(core::mem::take(&mut self.values)));

@@ -10,7 +10,7 @@ use super::cutout;
 use super::material::ShadingKind;
 use super::path::{self, Paths, Traversal, mis_weight};
 use super::probe::{Lanes, Probe, Stage};
-use super::queue::Queue;
+use super::queue::{Queue, ROOM};
 use super::reuse;
 use super::rows::{CONTRIBUTION, DIRECTION, GOING, HIT, MISSED, NAME, SHADOW};
 use super::rows::{pack, pack_hit, path_ray, shadow_ray, unpack, unpack_hits};
@@ -18,7 +18,7 @@ use super::shade::Shade;
 use super::tile::{CameraQueue, Counters, Job, SampleBuffer};
 use super::world::World;
 use crate::geometry::{Hit, Ray};
-use crate::lane::{Bits, Mask, Real, Vec3, array};
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3, array};
 use crate::plan::Shading;
 
 /// Paths of a worker on their way at once: they and what waits stay in the second cache; 128 were up to 5 % slower.
@@ -26,6 +26,9 @@ const POOL: usize = 512;
 
 /// Packets traced together.
 const TOGETHER: usize = 8;
+
+/// As many may be more than the pool: a packet that fills it, and one that ends beyond.
+const _: () = assert!(POOL + 3 * MAX_WIDTH <= ROOM);
 
 /// Renders all samples of a job into `out`.
 pub fn render<R: Real, T: Traversal, S: Shade, P: Probe>(
@@ -64,15 +67,15 @@ pub(super) struct Wave<'a, R: Real, S, P> {
     going: Queue<R, GOING>,
     next: Queue<R, GOING>,
     /// Too few so far.
-    hits: Queue<R, HIT>,
-    missed: Queue<R, MISSED>,
+    hits: Queue<R, HIT, { (3 + TOGETHER) * MAX_WIDTH }>,
+    missed: Queue<R, MISSED, { 3 * MAX_WIDTH }>,
     shadows: Queue<R, SHADOW>,
     /// Slots and last bounces of paths that ended in this generation; only for a probe.
     ended: Vec<(u32, f32)>,
 }
 
 impl<'a, R: Real, S: Shade, P: Probe> Wave<'a, R, S, P> {
-    /// Nothing on its way; room for `pool` paths, and one packet at least.
+    /// Nothing on its way; for `pool` paths, [`POOL`] at most, and one packet at least.
     pub fn new(
         world: &'a World,
         shade: &'a S,
@@ -83,7 +86,6 @@ impl<'a, R: Real, S: Shade, P: Probe> Wave<'a, R, S, P> {
     ) -> Self {
         // Hits that wait are fewer than a packet: so there are always paths to go on with, or room for more.
         let pool = pool.max(R::WIDTH);
-        let room = pool + 2 * R::WIDTH;
         Wave {
             world,
             shade,
@@ -91,11 +93,11 @@ impl<'a, R: Real, S: Shade, P: Probe> Wave<'a, R, S, P> {
             counters,
             probe,
             pool,
-            going: Queue::new(room),
-            next: Queue::new(room),
-            hits: Queue::new((1 + TOGETHER) * R::WIDTH),
-            missed: Queue::new(2 * R::WIDTH),
-            shadows: Queue::new(room),
+            going: Queue::new(),
+            next: Queue::new(),
+            hits: Queue::new(),
+            missed: Queue::new(),
+            shadows: Queue::new(),
             ended: Vec::new(),
         }
     }

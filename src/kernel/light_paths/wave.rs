@@ -3,7 +3,7 @@
 
 use super::super::cutout;
 use super::super::path::Traversal;
-use super::super::queue::Queue;
+use super::super::queue::{Queue, ROOM};
 use super::super::tile::{Counters, lanes_of};
 use super::super::world::World;
 use super::LightPaths;
@@ -11,7 +11,7 @@ use super::rows::*;
 use super::start::start;
 use super::vertex::vertex;
 use crate::geometry::{Hit, Ray};
-use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
 use core::marker::PhantomData;
 
 /// Light paths to trace together.
@@ -39,20 +39,20 @@ pub struct Splat {
 /// As for camera paths.
 const POOL: usize = 512;
 const TOGETHER: usize = 8;
+const _: () = assert!(POOL + 3 * MAX_WIDTH <= ROOM);
 
 /// Traces a job's light paths and appends what they splat: those of one path in the path's order, paths in any.
 pub fn trace<R: Real, T: Traversal>(world: &World, job: &LightJob, splats: &mut Vec<Splat>, counters: &mut Counters) {
     let Some(paths) = world.light_paths else { return };
-    let room = POOL + 2 * R::WIDTH;
     let mut wave = LightWave::<R, T> {
         world,
         paths,
         splats,
         counters,
-        going: Queue::new(room),
-        next: Queue::new(room),
-        hits: Queue::new(2 * R::WIDTH),
-        links: Queue::new(room),
+        going: Queue::new(),
+        next: Queue::new(),
+        hits: Queue::new(),
+        links: Queue::new(),
         kinds: PhantomData,
     };
     wave.run(job);
@@ -67,7 +67,7 @@ struct LightWave<'a, R: Real, T> {
     going: Queue<R, GOING>,
     next: Queue<R, GOING>,
     /// Too few so far.
-    hits: Queue<R, HIT>,
+    hits: Queue<R, HIT, { 3 * MAX_WIDTH }>,
     links: Queue<R, LINK>,
     kinds: PhantomData<T>,
 }

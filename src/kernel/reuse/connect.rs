@@ -1,6 +1,7 @@
 //! First vertices of a group against the second vertices of all its paths.
 
 use super::finds::{Find, Lobe};
+use super::group::PIXELS;
 use super::pairs::{First, Second, material_of};
 use super::segments::Segments;
 use super::{ROW, Row, Shared, place};
@@ -10,7 +11,7 @@ use crate::kernel::queue::Queue;
 use crate::kernel::shade::Shade;
 use crate::kernel::tile::{Counters, SampleBuffer};
 use crate::kernel::world::World;
-use crate::lane::{Bits, Mask, Real, Vec3, array};
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3, array};
 
 /// Sums are made of so many parts, whatever the number of lanes.
 pub const PARTS: usize = 16;
@@ -26,8 +27,8 @@ pub struct Seen<'a, R: Real> {
 /// Pixels that share, at one of their samples.
 pub struct Group<R: Real> {
     /// First vertices and their slots.
-    first: Queue<R, { ROW + 1 }>,
-    scattering: Queue<R, ROW>,
+    first: Queue<R, { ROW + 1 }, { PIXELS + MAX_WIDTH }>,
+    scattering: Queue<R, ROW, { PIXELS + MAX_WIDTH }>,
     /// Is every first vertex Lambert?
     lambert: bool,
     pub finds: Vec<Find>,
@@ -38,13 +39,12 @@ pub struct Group<R: Real> {
 }
 
 impl<R: Real> Group<R> {
-    pub fn new(pixels: usize) -> Self {
-        let room = pixels.next_multiple_of(PARTS);
+    pub fn new() -> Self {
         Group {
-            first: Queue::new(room),
-            scattering: Queue::new(room),
+            first: Queue::new(),
+            scattering: Queue::new(),
             lambert: true,
-            finds: Vec::with_capacity(2 * pixels),
+            finds: Vec::with_capacity(2 * PIXELS),
             density: Vec::new(),
             value: [const { Vec::new() }; 3],
         }

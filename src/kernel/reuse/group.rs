@@ -27,7 +27,7 @@ pub fn connect<R: Real, S: Shade, P: Probe>(
     counters: &mut Counters,
     probe: &mut P,
 ) {
-    let mut group = Group::<R>::new(PIXELS);
+    let mut group = Group::<R>::new();
     let mut slots = Vec::with_capacity(PIXELS);
     let (right, bottom) = (job.x + job.width, job.y + job.height);
     let start = |first: u32| (first / REUSE_SIDE * REUSE_SIDE) as usize;

@@ -46,7 +46,7 @@ pub struct First<R: Real> {
 
 impl<R: Real> First<R> {
     #[inline(always)]
-    pub fn of<const N: usize>(rows: &Queue<R, N>, first: usize) -> Self {
+    pub fn of<const N: usize, const S: usize>(rows: &Queue<R, N, S>, first: usize) -> Self {
         let vector = |k: usize| Vec3::new(rows.field(k, first), rows.field(k + 1, first), rows.field(k + 2, first));
         First { p: vector(0), left: vector(3), ng: vector(6), ns: vector(9) }
     }
