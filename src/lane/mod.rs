@@ -198,6 +198,8 @@ pub trait Real:
     fn lookup4(table: &[f32; 4], index: Self::Bits) -> Self;
     /// Column `c` holds, in lane `i`, `table[index.lane(i)][c]`: one row a lane, transposed. Panics past the end.
     fn fetch_rows<const N: usize>(table: &[[f32; N]], index: Self::Bits) -> [Self; N];
+    /// The other way round: lane `i` of each column to row `i`; rows past the last lane stay as they are.
+    fn store_rows<const N: usize>(columns: &[Self; N], rows: &mut [[f32; N]; MAX_WIDTH]);
     /// Lane `i` is `self.lane(index.lane(i) % WIDTH)`.
     fn permute(self, index: Self::Bits) -> Self;
     /// The lanes of `bits` (a [`Mask::bits`]) moved to the front, in order; the others are unspecified.

@@ -33,6 +33,33 @@ pub fn rows16<const N: usize>(table: &[[f32; N]], index: [u32; 16]) -> [f32x16; 
     crate::lane::array::from_fn(|i| join(low[i], high[i]))
 }
 
+/// Lane `i` of the columns to row `i`, transposed eight columns at a time.
+#[inline(always)]
+pub fn store_rows8<const N: usize>(columns: &[f32x8; N], rows: &mut [[f32; N]]) {
+    let mut first = 0;
+    while first + 8 <= N {
+        let part = f32x8::transpose(crate::lane::array::from_fn(|k| columns[first + k]));
+        for (row, part) in rows.iter_mut().zip(part) {
+            part.store(&mut row[first..first + 8]);
+        }
+        first += 8;
+    }
+    for (k, column) in columns.iter().enumerate().skip(first) {
+        for (row, value) in rows.iter_mut().zip(column.to_array()) {
+            row[k] = value;
+        }
+    }
+}
+
+/// Sixteen rows: two halves of eight.
+#[inline(always)]
+pub fn store_rows16<const N: usize>(columns: &[f32x16; N], rows: &mut [[f32; N]]) {
+    for (half, rows) in rows.chunks_exact_mut(8).enumerate() {
+        let columns: [f32x8; N] = crate::lane::array::from_fn(|k| split(columns[k])[half]);
+        store_rows8(&columns, rows);
+    }
+}
+
 #[inline(always)]
 fn quad(row: &[f32]) -> [f32; 4] {
     [row[0], row[1], row[2], row[3]]

@@ -18,7 +18,7 @@ pub(super) trait MaskOps<F, U>: Mask {
 /// [`Bits`] and [`Real`] for one of the register types of `wide`.
 macro_rules! wide_lanes {
     ($width:literal, $f:ident, $u:ident, $i:ident, $mask:ident, $eight:ident,
-     $lookup4:ident, $rows:ident, $permute:ident, $compress:ident, $extreme:ident, $halves:ident, $le_bits:ident) => {
+     $lookup4:ident, $rows:ident, $store_rows:ident, $permute:ident, $compress:ident, $extreme:ident, $halves:ident, $le_bits:ident) => {
         impl Bits for $u {
             type Mask = $mask;
             #[inline(always)]
@@ -201,6 +201,10 @@ macro_rules! wide_lanes {
             #[inline(always)]
             fn fetch_rows<const N: usize>(table: &[[f32; N]], index: $u) -> [Self; N] {
                 super::shuffle::$rows(table, index.to_array())
+            }
+            #[inline(always)]
+            fn store_rows<const N: usize>(columns: &[Self; N], rows: &mut [[f32; N]; crate::lane::MAX_WIDTH]) {
+                super::shuffle::$store_rows(columns, rows)
             }
             #[inline(always)]
             fn permute(self, index: $u) -> Self {

@@ -1,6 +1,6 @@
 //! Width 1: plain `f32`, `u32` and `bool`.
 
-use super::{Bits, Mask, Real};
+use super::{Bits, MAX_WIDTH, Mask, Real};
 
 impl Mask for bool {
     #[inline(always)]
@@ -221,6 +221,10 @@ impl Real for f32 {
     #[inline(always)]
     fn fetch_rows<const N: usize>(table: &[[f32; N]], index: U32x1) -> [Self; N] {
         table[index.0 as usize]
+    }
+    #[inline(always)]
+    fn store_rows<const N: usize>(columns: &[Self; N], rows: &mut [[f32; N]; MAX_WIDTH]) {
+        rows[0] = *columns;
     }
     #[inline(always)]
     fn permute(self, _: U32x1) -> Self {

@@ -1,6 +1,6 @@
 //! Words in lanes against the standard library's.
 
-use octolux::lane::{Bits, Real};
+use octolux::lane::{Bits, MAX_WIDTH, Real, f32x8, f32x16};
 
 #[test]
 fn bits_are_reversed_as_the_standard_library_does() {
@@ -18,4 +18,34 @@ fn bits_are_reversed_as_the_standard_library_does() {
     check::<f32>();
     check::<octolux::lane::f32x8>();
     check::<octolux::lane::f32x16>();
+}
+
+/// Columns stored as rows, and fetched again.
+#[test]
+fn rows_are_columns_transposed() {
+    fn check<R: Real, const N: usize>() {
+        let columns: [R; N] = std::array::from_fn(|c| R::from_fn(|lane| (100 * lane + c) as f32));
+        let mut rows = [[-1.0; N]; MAX_WIDTH];
+        R::store_rows(&columns, &mut rows);
+        for (lane, row) in rows.iter().enumerate() {
+            let wanted = |c: usize| if lane < R::WIDTH { (100 * lane + c) as f32 } else { -1.0 };
+            assert_eq!(*row, std::array::from_fn(wanted), "lane {lane} of {}", R::WIDTH);
+        }
+        let last = R::WIDTH as u32 - 1;
+        let fetched: [R; N] = R::fetch_rows(&rows, R::Bits::from_fn(|lane| last - lane as u32));
+        for (c, column) in fetched.into_iter().enumerate() {
+            for lane in 0..R::WIDTH {
+                assert_eq!(column.lane(lane), columns[c].lane(R::WIDTH - 1 - lane), "column {c}, lane {lane}");
+            }
+        }
+    }
+    fn widths<const N: usize>() {
+        check::<f32, N>();
+        check::<f32x8, N>();
+        check::<f32x16, N>();
+    }
+    widths::<3>();
+    widths::<8>();
+    widths::<13>();
+    widths::<16>();
 }

@@ -30,7 +30,7 @@ mod vertex;
 pub use group::{REUSE_SIDE, connect};
 pub(super) use vertex::{arrive, keep_first, keep_light, leave};
 
-use crate::lane::{Bits, MAX_WIDTH, Mask, Real, array};
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real};
 
 /// Values of a row.
 const ROW: usize = 16;
@@ -100,14 +100,13 @@ impl Shared {
 /// The lanes of `values` as rows.
 #[inline(always)]
 fn rows_of<R: Real>(values: &[R; ROW]) -> [Row; MAX_WIDTH] {
-    let mut fields = [[0.0; MAX_WIDTH]; ROW];
-    for (field, value) in fields.iter_mut().zip(values) {
-        value.store(field);
-    }
-    array::from_fn(|lane| array::from_fn(|k| fields[k][lane]))
+    let mut rows = [[0.0; ROW]; MAX_WIDTH];
+    R::store_rows(values, &mut rows);
+    rows
 }
 
 /// Writes the lanes of `mask` to the rows of their slots.
+#[inline(always)]
 fn write<R: Real>(table: &mut [Row], slot: R::Bits, values: &[R; ROW], mask: R::Mask) {
     let rows = rows_of(values);
     for lane in super::tile::lanes_of(mask.bits()) {
