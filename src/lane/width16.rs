@@ -5,7 +5,19 @@ use super::{Bits, Mask, Real, reinterpret};
 use wide::{f32x8, f32x16, i32x16, u32x16};
 
 super::wide_lanes!(
-    16, f32x16, u32x16, i32x16, Mask16, f32x8, lookup4_16, rows16, store_rows16, permute16, compress16, extreme16, halves16,
+    16,
+    f32x16,
+    u32x16,
+    i32x16,
+    Mask16,
+    f32x8,
+    lookup4_16,
+    rows16,
+    store_rows16,
+    permute16,
+    compress16,
+    extreme16,
+    halves16,
     le_bits16
 );
 

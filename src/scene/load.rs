@@ -2,12 +2,13 @@
 
 use super::error::SceneError;
 use super::notes::Notes;
-use super::{Scene, bare_model, toml_file};
+use super::{Scene, bare_model, coincident, toml_file};
 use std::path::Path;
 
 /// Loads a scene file (`.toml`) or a bare model (`.obj`, with its MTL files).
 ///
-/// Keys that are read but not honoured, and materials defined but not used, are said through [`log::warn!`].
+/// Keys that are read but not honoured, materials defined but not used, and lamps that lie in one another are said through
+/// [`log::warn!`].
 ///
 /// # Errors
 /// Everything that keeps the input from being rendered as written; see [`SceneError`].
@@ -23,6 +24,7 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     scene.name = path.display().to_string();
     scene.assumptions = notes.assumptions;
     scene.files = notes.files;
+    coincident::warn(&scene);
     Ok(scene)
 }
 

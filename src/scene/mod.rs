@@ -5,6 +5,7 @@
 
 mod bare_model;
 mod builder;
+mod coincident;
 mod domain;
 mod draft;
 mod environment;

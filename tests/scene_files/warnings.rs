@@ -82,3 +82,25 @@ fn materials_defined_in_vain_and_libraries_not_needed() {
     assert_eq!(heard.len(), 2, "{heard:#?}");
     assert!(heard[0].contains("none.mtl") && heard[1].contains("`typo`"), "{heard:#?}");
 }
+
+/// A lamp that is to shine to both sides, made of the same triangle twice, is told of; two with a gap, a lamp on what does not
+/// emit, and twice the same of what does not are not.
+#[test]
+fn lamps_in_one_another() {
+    let lamps = |faces: &str| {
+        let obj = format!(
+            "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv -0 0 0\nv 1 0 .001\nv 0 0 .001\nv 0 1 .001\nusemtl lamp\n{faces}"
+        );
+        let mtl = "newmtl lamp\nKd 0 0 0\nKe 1 1 1\nnewmtl wall\nKd 1 1 1\n";
+        warnings(&Files::new(&[("a.obj", &obj), ("a.mtl", mtl)]), "a.obj")
+    };
+    for faces in ["f 1 2 3\nf 3 2 1\n", "f 1 2 3\nf 2 3 1\n", "usemtl wall\nf 1 2 3\nusemtl lamp\nf 1 2 3\nf 3 2 4\n"] {
+        let heard = lamps(faces);
+        let first = if faces.starts_with("use") { 1 } else { 0 };
+        let wanted = format!("a.obj: triangles {first} and {} both emit", first + 1);
+        assert!(heard.len() == 1 && heard[0].contains(&wanted), "{faces}: {heard:#?}");
+    }
+    for faces in ["f 1 2 3\nf 7 5 6\n", "f 1 2 3\nusemtl wall\nf 3 2 1\n", "usemtl wall\nf 1 2 3\nf 3 2 1\n"] {
+        assert_eq!(lamps(faces), [""; 0], "{faces}");
+    }
+}
