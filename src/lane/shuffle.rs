@@ -241,8 +241,17 @@ pub fn compress8(v: f32x8, bits: u32) -> f32x8 {
     }
     #[cfg(not(all(target_feature = "avx512f", target_feature = "avx512vl")))]
     {
-        let bytes = COMPRESSION[bits as usize & 255].to_le_bytes();
-        permute8(v, u32x8::new(map(bytes, u32::from)))
+        let bytes = COMPRESSION[bits as usize & 255];
+        // The compiler takes bytes apart one by one and puts them together again.
+        #[cfg(target_feature = "avx2")]
+        // SAFETY: the build has AVX2; registers only.
+        let order = unsafe {
+            use core::arch::x86_64::*;
+            u32x8::from(_mm256_cvtepu8_epi32(_mm_cvtsi64_si128(bytes as i64)))
+        };
+        #[cfg(not(target_feature = "avx2"))]
+        let order = u32x8::new(map(bytes.to_le_bytes(), u32::from));
+        permute8(v, order)
     }
 }
 
@@ -257,16 +266,12 @@ pub fn compress16(v: f32x16, bits: u32) -> f32x16 {
     }
     #[cfg(not(target_feature = "avx512f"))]
     {
-        let lanes = v.to_array();
-        let mut out = [0.0; 16];
-        let mut count = 0;
-        for (lane, &value) in lanes.iter().enumerate() {
-            if bits >> lane & 1 != 0 {
-                out[count] = value;
-                count += 1;
-            }
-        }
-        f32x16::new(out)
+        let mut out = [0.0; 24];
+        let (low, high) = (bits & 255, bits >> 8 & 255);
+        let [first, second] = split(v);
+        compress8(first, low).store(&mut out);
+        compress8(second, high).store(&mut out[low.count_ones() as usize..]);
+        <f32x16 as Real>::load(&out)
     }
 }
 
