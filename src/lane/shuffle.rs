@@ -130,21 +130,26 @@ pub fn le_bits16(a: f32x16, b: f32x16) -> u32 {
 /// Column `c` of eight rows of four.
 #[inline(always)]
 fn four_columns(rows: [[f32; 4]; 8]) -> [f32x8; 4] {
-    let wide = crate::lane::array::from_fn(|i| {
-        if i < 4 {
-            let (a, b) = (rows[i], rows[i + 4]);
-            f32x8::new([a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]])
-        } else {
-            f32x8::ZERO
-        }
-    });
-    // Rows i and i + 4 share a register, so that the four columns come out as halves of the transposed eight.
-    let [c0, c1, c2, c3, d0, d1, d2, d3] = f32x8::transpose(wide);
-    let both = |low: f32x8, high: f32x8| {
-        let (low, high) = (low.to_array(), high.to_array());
-        f32x8::new([low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]])
-    };
-    [both(c0, d0), both(c1, d1), both(c2, d2), both(c3, d3)]
+    // (Written by hand: without the vectorizer of straight lines, see `.cargo/config.toml`, arrays go value by value.)
+    #[cfg(target_feature = "avx")]
+    // SAFETY: the build has AVX; each load reads the 16 bytes of a row, and no alignment is asked for.
+    unsafe {
+        use core::arch::x86_64::*;
+        let row = |i: usize| _mm_loadu_ps(rows[i].as_ptr());
+        // Rows i and i + 4 share a register, so that each half is a square to transpose.
+        let wide = |i: usize| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(row(i)), row(i + 4));
+        let (a, b, c, d) = (wide(0), wide(1), wide(2), wide(3));
+        let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
+        let (ab_high, cd_high) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
+        [
+            _mm256_shuffle_ps::<0x44>(ab, cd).into(),
+            _mm256_shuffle_ps::<0xee>(ab, cd).into(),
+            _mm256_shuffle_ps::<0x44>(ab_high, cd_high).into(),
+            _mm256_shuffle_ps::<0xee>(ab_high, cd_high).into(),
+        ]
+    }
+    #[cfg(not(target_feature = "avx"))]
+    crate::lane::array::from_fn(|c| f32x8::new(crate::lane::array::from_fn(|i| rows[i][c])))
 }
 
 /// Lane `i` is `table[index[i] & 3]`.
