@@ -30,7 +30,7 @@ pub struct Queue<R, const N: usize, const S: usize = ROOM> {
 impl<R: Real, const N: usize, const S: usize> Queue<R, N, S> {
     /// Empty.
     pub fn new() -> Self {
-        const { assert!(S % LINE == 0) };
+        const { assert!(S.is_multiple_of(LINE)) };
         let needed = N * S + LINE;
         let mut values = SPARE.with_borrow_mut(Vec::pop).unwrap_or_default();
         if values.len() < needed {
