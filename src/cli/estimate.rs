@@ -1,6 +1,7 @@
 //! `octolux estimate`: an estimator's error against samples and run time, on problems with known answers.
 
 use super::CliError;
+use super::problem::{ProblemArgs, ProblemName};
 use super::targets::check_apart;
 use crate::estimate::demos::{self, Demonstration};
 use crate::estimate::expression::Expression;
@@ -11,7 +12,7 @@ use crate::estimate::study::{Budget, Quantity, Study, run as run_study};
 use crate::estimate::table::csv;
 use crate::film::beside::{check_writable, write_beside};
 use crate::kernel::{Prepare, Width, World};
-use crate::plan::{Force, GeometryMode, Plan};
+use crate::plan::{Force, Plan};
 use crate::render::interrupt;
 use crate::scene::{EnvironmentImage, Scene};
 use std::path::{Path, PathBuf};
@@ -48,91 +49,11 @@ pub struct EstimateArgs {
     of: ProblemArgs,
 }
 
-/// What belongs to one problem or another.
-#[derive(clap::Args)]
-struct ProblemArgs {
-    /// The function: a name, or for interval and continuous an expression in x [default: the problem's first]
-    #[arg(long, value_name = "NAME|EXPR")]
-    f: Option<String>,
-    /// interval, continuous: the range of x
-    #[arg(long, value_name = "A,B", value_parser = parse_range, allow_hyphen_values = true)]
-    range: Option<[f64; 2]>,
-    /// continuous: the density of X; interval: the density that mc-is draws from
-    #[arg(long, value_name = "EXPR")]
-    density: Option<String>,
-    /// continuous: estimate Pr(X in [A, B]) instead of E[f(X)]
-    #[arg(long, value_name = "A,B", value_parser = parse_range, allow_hyphen_values = true)]
-    probability: Option<[f64; 2]>,
-    /// discrete: VALUE:PROBABILITY pairs
-    #[arg(long, value_name = "X:P,…", value_delimiter = ',', value_parser = parse_pair, allow_hyphen_values = true)]
-    table: Vec<[f64; 2]>,
-    /// cube-d: dimensions, 1 to 20
-    #[arg(long, default_value_t = 6)]
-    dimensions: usize,
-    /// hemisphere: n of cosine^n
-    #[arg(long, default_value_t = 1.0)]
-    exponent: f64,
-    /// hemisphere: which of the random skies
-    #[arg(long, default_value_t = 0)]
-    sky: u64,
-    /// hemisphere: a latitude-longitude OpenEXR image instead of --f; +y is up
-    #[arg(long, value_name = "FILE.exr", conflicts_with_all = ["f", "sky"])]
-    image: Option<PathBuf>,
-    /// illumination: the scene
-    #[arg(long, value_name = "SCENE.toml")]
-    scene: Option<PathBuf>,
-    /// illumination: column and row of the pixel, from the top left [default: the middle]
-    #[arg(long, value_name = "X,Y", value_parser = super::replay::parse_pixel)]
-    pixel: Option<(u32, u32)>,
-    /// illumination: how all rays find geometry, to compare: the same bits [default: as the plan decides]
-    #[arg(long, value_enum)]
-    mode: Option<GeometryMode>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum ProblemName {
-    /// π by darts
-    Pi,
-    /// The mean of a fair die: 3.5, with variance 35/12
-    Die,
-    /// The mean of a table of yours (--table)
-    Discrete,
-    /// E[f(X)] or a probability, X with a density of yours (--density, --range, --f, --probability)
-    Continuous,
-    /// An integral over an interval (--f, --range, --density)
-    Interval,
-    /// An integral over the unit cube (--f, --dimensions)
-    CubeD,
-    /// An integral over the hemisphere (--f, --exponent, --sky, --image)
-    Hemisphere,
-    /// The light that a pixel of a scene reflects (--scene, --pixel)
-    Illumination,
-    /// V[ΣX], V[aX]: rules of variance, by dice
-    VarianceRules,
-    /// A Gaussian process on [0, 1]: prior, posterior, integral (--f)
-    #[value(name = "gp-1d")]
-    Gp1d,
-    /// O'Hagan's objections to Monte Carlo (--f)
-    Ohagan,
-}
-
-fn parse_range(text: &str) -> Result<[f64; 2], String> {
-    parse_two(text, ',').ok_or_else(|| "write two numbers, as in 0,1".to_owned())
-}
-
-fn parse_pair(text: &str) -> Result<[f64; 2], String> {
-    parse_two(text, ':').ok_or_else(|| "write VALUE:PROBABILITY, as in 1:0.5,2:0.5".to_owned())
-}
-
-fn parse_two(text: &str, separator: char) -> Option<[f64; 2]> {
-    let (a, b) = text.split_once(separator)?;
-    Some([a.trim().parse().ok()?, b.trim().parse().ok()?])
-}
-
 /// Numbers of samples where none are asked for.
 const SAMPLES: [usize; 7] = [1, 4, 16, 64, 256, 1024, 4096];
 
 pub fn run(args: &EstimateArgs) -> Result<bool, CliError> {
+    args.of.check(args.problem).map_err(CliError::Usage)?;
     if let Some(folder) = &args.output {
         std::fs::create_dir_all(folder).map_err(|source| CliError::Write { path: folder.clone(), source })?;
     }
@@ -284,14 +205,14 @@ fn problem(args: &EstimateArgs, scene: Option<&Scene>) -> Result<Box<dyn Problem
             Box::new(problems::continuous(density, range, wanted, width)?)
         }
         ProblemName::Interval => Box::new(problems::interval(&named("exp"), range, of.density.as_deref(), width)?),
-        ProblemName::CubeD => Box::new(problems::cube(&named("sine"), of.dimensions, width)?),
+        ProblemName::CubeD => Box::new(problems::cube(&named("sine"), of.dimensions.unwrap_or(6), width)?),
         ProblemName::Illumination => illumination(of, scene, args.seed, width)?,
         ProblemName::VarianceRules | ProblemName::Gp1d | ProblemName::Ohagan => {
             return Err("this is shown, not studied".into());
         }
         ProblemName::Hemisphere => Box::new(match &of.image {
             Some(path) => under_image(path, width)?,
-            None => problems::hemisphere(&named("cosine"), of.exponent, of.sky, width)?,
+            None => problems::hemisphere(&named("cosine"), of.exponent.unwrap_or(1.0), of.sky.unwrap_or(0), width)?,
         }),
     })
 }

@@ -10,6 +10,7 @@ mod info;
 mod keeper;
 mod ladder;
 mod merge;
+mod problem;
 mod render;
 mod replay;
 mod replay_text;

@@ -109,6 +109,10 @@ fn wrong_problems_are_refused_in_one_line() {
         (&["illumination", "--scene", "scene.toml", "--pixel", "99,0"], "outside"),
         (&["gp-1d", "--f", "ln(x-2)"], "ln(x-2)"),
         (&["gp-1d", "--samples", "100000"], "100000"),
+        (&["pi", "--mode", "brute"], "--mode says nothing of pi: it is for illumination"),
+        (&["ohagan", "--range", "0,2"], "it is for continuous, interval"),
+        (&["die", "--f", "sky"], "gp-1d, ohagan"),
+        (&["interval", "--sky", "3"], "hemisphere"),
     ] {
         let all: Vec<&str> = ["estimate"].iter().chain(arguments).copied().collect();
         let output = scratch.run(&all);
