@@ -34,7 +34,7 @@ SCENES = [
     ("course: gather by 40 directions", "course/scene.toml", 8, 1, 3),
 ]
 KERNEL = re.compile(r"octolux::kernel::run::\w+")
-TRAVERSAL = re.compile(r"octolux::kernel::world::World::(closest|occluded)(_many)?\b")
+TRAVERSAL = re.compile(r"octolux::kernel::rays::<impl octolux::kernel::world::World>::(closest|occluded)(_many)?(?!\w)")
 
 
 def run(command, **options):
@@ -84,8 +84,9 @@ def count(binary, scene, side, samples):
 
 def measure(binary, scene, side, low, high):
     few, many = count(binary, scene, side, low), count(binary, scene, side, high)
-    if few["kernel"] == 0:
-        sys.exit(f"{scene}: no kernel entry point among the symbols; see KERNEL in tools/callgrind.py")
+    for part in ("kernel", "traversal"):
+        if few[part] == 0:
+            sys.exit(f"{scene}: no {part} among the symbols; see {part.upper()} in tools/callgrind.py")
     more = {key: many[key] - few[key] for key in few}
     return {"per_path": more["kernel"] / more["paths"], "per_ray": more["traversal"] / more["rays"],
             "rays_per_path": more["rays"] / more["paths"]}
