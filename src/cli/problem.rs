@@ -17,7 +17,7 @@ pub(super) struct ProblemArgs {
     #[arg(long, value_name = "EXPR")]
     pub density: Option<String>,
     /// continuous: estimate Pr(X in [A, B]) instead of E[f(X)]
-    #[arg(long, value_name = "A,B", value_parser = parse_range, allow_hyphen_values = true)]
+    #[arg(long, value_name = "A,B", value_parser = parse_range, allow_hyphen_values = true, conflicts_with = "f")]
     pub probability: Option<[f64; 2]>,
     /// discrete: VALUE:PROBABILITY pairs
     #[arg(long, value_name = "X:P,…", value_delimiter = ',', value_parser = parse_pair, allow_hyphen_values = true)]
@@ -32,7 +32,7 @@ pub(super) struct ProblemArgs {
     #[arg(long)]
     pub sky: Option<u64>,
     /// hemisphere: a latitude-longitude OpenEXR image instead of --f; +y is up
-    #[arg(long, value_name = "FILE.exr", conflicts_with_all = ["f", "sky"])]
+    #[arg(long, value_name = "FILE.exr", conflicts_with_all = ["f", "sky", "exponent"])]
     pub image: Option<PathBuf>,
     /// illumination: the scene
     #[arg(long, value_name = "SCENE.toml")]

@@ -12,13 +12,13 @@ thread_local! {
 /// Values in a line of cache.
 const LINE: usize = 64 / size_of::<f32>();
 
-/// Rows that a queue of a [wave](super::wave)'s has room for, registers past the last row included: 35 lines of cache, an odd
-/// number, so that fields at the same row fall into different sets.
+/// From one field to the next in the queues of a [wave](super::wave): 35 lines of cache, an odd number, so that the fields of a
+/// row fall into different sets.
 pub const ROOM: usize = 560;
 
 /// Rows of `N` values, one field after the other in memory, so that a packet of them is `N` loads. `S` values lie from one
-/// field to the next: as many rows fit, with a register's width past the last. (Being constants, they leave one test of
-/// bounds a packet, not one a field.)
+/// field to the next: the rows and a register past the last fit into them. (It is a constant so that bounds are tested once a
+/// packet, not once a field.)
 pub struct Queue<R, const N: usize, const S: usize = ROOM> {
     values: Vec<f32>,
     /// Where the first field starts: packets are to start with a line of cache, and vectors are aligned to 4 bytes only.

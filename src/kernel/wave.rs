@@ -27,7 +27,7 @@ const POOL: usize = 512;
 /// Packets traced together.
 const TOGETHER: usize = 8;
 
-/// As many may be more than the pool: a packet that fills it, and one that ends beyond.
+// A packet may go beyond the pool, and what is stored of it a register further.
 const _: () = assert!(POOL + 3 * MAX_WIDTH <= ROOM);
 
 /// Renders all samples of a job into `out`.
@@ -85,6 +85,7 @@ impl<'a, R: Real, S: Shade, P: Probe> Wave<'a, R, S, P> {
         probe: &'a mut P,
     ) -> Self {
         // Hits that wait are fewer than a packet: so there are always paths to go on with, or room for more.
+        debug_assert!(pool <= POOL);
         let pool = pool.max(R::WIDTH);
         Wave {
             world,

@@ -271,7 +271,7 @@ pub fn compress16(v: f32x16, bits: u32) -> f32x16 {
     }
     #[cfg(not(target_feature = "avx512f"))]
     {
-        let mut out = [0.0; 24];
+        let mut out = [0.0; 16];
         let (low, high) = (bits & 255, bits >> 8 & 255);
         let [first, second] = split(v);
         compress8(first, low).store(&mut out);

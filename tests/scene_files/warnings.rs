@@ -83,24 +83,36 @@ fn materials_defined_in_vain_and_libraries_not_needed() {
     assert!(heard[0].contains("none.mtl") && heard[1].contains("`typo`"), "{heard:#?}");
 }
 
-/// A lamp that is to shine to both sides, made of the same triangle twice, is told of; two with a gap, a lamp on what does not
-/// emit, and twice the same of what does not are not.
+/// A lamp that is to shine to both sides, made of the same triangle or quad twice, is told of, whatever the diagonals; two with a
+/// gap, neighbours, a lamp on what does not emit, and twice the same of what does not are not.
 #[test]
 fn lamps_in_one_another() {
     let lamps = |faces: &str| {
         let obj = format!(
-            "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv -0 0 0\nv 1 0 .001\nv 0 0 .001\nv 0 1 .001\nusemtl lamp\n{faces}"
+            "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -0 0 0\nv 1 0 -.001\nv 1 1 -.001\nv 0 0 -.001\nv .5 0 1\n\
+             usemtl lamp\n{faces}"
         );
         let mtl = "newmtl lamp\nKd 0 0 0\nKe 1 1 1\nnewmtl wall\nKd 1 1 1\n";
         warnings(&Files::new(&[("a.obj", &obj), ("a.mtl", mtl)]), "a.obj")
     };
-    for faces in ["f 1 2 3\nf 3 2 1\n", "f 1 2 3\nf 2 3 1\n", "usemtl wall\nf 1 2 3\nusemtl lamp\nf 1 2 3\nf 3 2 4\n"] {
+    for (faces, pair) in [
+        ("f 1 2 3\nf 3 2 1\n", [0, 1]),
+        ("f 1 2 3\nf 2 3 5\n", [0, 1]),
+        ("usemtl wall\nf 1 2 3\nusemtl lamp\nf 1 2 3\nf 3 2 5\n", [1, 2]),
+        ("f 1 2 3 4\nf 4 3 2 1\n", [0, 2]),
+        ("f 1 2 3 4\nf 3 2 1 4\n", [0, 2]),
+    ] {
         let heard = lamps(faces);
-        let first = if faces.starts_with("use") { 1 } else { 0 };
-        let wanted = format!("a.obj: triangles {first} and {} both emit", first + 1);
+        let wanted = format!("a.obj: triangles {} and {} both emit", pair[0], pair[1]);
         assert!(heard.len() == 1 && heard[0].contains(&wanted), "{faces}: {heard:#?}");
     }
-    for faces in ["f 1 2 3\nf 7 5 6\n", "f 1 2 3\nusemtl wall\nf 3 2 1\n", "usemtl wall\nf 1 2 3\nf 3 2 1\n"] {
+    for faces in [
+        "f 1 2 3\nf 7 6 8\n",
+        "f 1 2 3 4\n",
+        "f 1 2 3\nf 2 1 9\n",
+        "f 1 2 3\nusemtl wall\nf 3 2 1\n",
+        "usemtl wall\nf 1 2 3\nf 3 2 1\n",
+    ] {
         assert_eq!(lamps(faces), [""; 0], "{faces}");
     }
 }

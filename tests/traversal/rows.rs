@@ -66,11 +66,13 @@ fn moves<R: Real>() {
             assert_eq!(permuted.lane(i), values[index[i] as usize]);
             assert_eq!(looked.lane(i), four[small[i] as usize]);
         }
-        let bits = rng.below(1 << R::WIDTH) as u32;
-        let packed = v.compress(bits);
-        let wanted = (0..R::WIDTH).filter(|i| bits >> i & 1 != 0).map(|i| values[i]);
-        for (place, value) in wanted.enumerate() {
-            assert_eq!(packed.lane(place), value);
+        let all = u32::MAX >> (32 - R::WIDTH);
+        for bits in (0..256).chain((0..256).map(|bits| bits << 8)).chain([all, rng.below(1 << R::WIDTH) as u32]) {
+            let packed = v.compress(bits & all);
+            let wanted = (0..R::WIDTH).filter(|i| (bits & all) >> i & 1 != 0).map(|i| values[i]);
+            for (place, value) in wanted.enumerate() {
+                assert_eq!(packed.lane(place), value, "{bits:#x}");
+            }
         }
         assert_eq!(v.lowest(), values.iter().copied().fold(f32::INFINITY, f32::min));
         assert_eq!(v.highest(), values.iter().copied().fold(f32::NEG_INFINITY, f32::max));

@@ -39,6 +39,7 @@ pub struct Splat {
 /// As for camera paths.
 const POOL: usize = 512;
 const TOGETHER: usize = 8;
+// A packet may go beyond the pool, and what is stored of it a register further.
 const _: () = assert!(POOL + 3 * MAX_WIDTH <= ROOM);
 
 /// Traces a job's light paths and appends what they splat: those of one path in the path's order, paths in any.
