@@ -1,7 +1,7 @@
 //! `octolux estimate`: an estimator's error against samples and run time, on problems with known answers.
 
 use super::CliError;
-use super::problem::{ProblemArgs, ProblemName};
+use super::problem::{DIMENSIONS, EXPONENT, ProblemArgs, ProblemName, SKY};
 use super::targets::check_apart;
 use crate::estimate::demos::{self, Demonstration};
 use crate::estimate::expression::Expression;
@@ -205,14 +205,16 @@ fn problem(args: &EstimateArgs, scene: Option<&Scene>) -> Result<Box<dyn Problem
             Box::new(problems::continuous(density, range, wanted, width)?)
         }
         ProblemName::Interval => Box::new(problems::interval(&named("exp"), range, of.density.as_deref(), width)?),
-        ProblemName::CubeD => Box::new(problems::cube(&named("sine"), of.dimensions.unwrap_or(6), width)?),
+        ProblemName::CubeD => Box::new(problems::cube(&named("sine"), of.dimensions.unwrap_or(DIMENSIONS), width)?),
         ProblemName::Illumination => illumination(of, scene, args.seed, width)?,
         ProblemName::VarianceRules | ProblemName::Gp1d | ProblemName::Ohagan => {
             return Err("this is shown, not studied".into());
         }
         ProblemName::Hemisphere => Box::new(match &of.image {
             Some(path) => under_image(path, width)?,
-            None => problems::hemisphere(&named("cosine"), of.exponent.unwrap_or(1.0), of.sky.unwrap_or(0), width)?,
+            None => {
+                problems::hemisphere(&named("cosine"), of.exponent.unwrap_or(EXPONENT), of.sky.unwrap_or(SKY), width)?
+            }
         }),
     })
 }

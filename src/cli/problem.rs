@@ -4,6 +4,11 @@ use crate::plan::GeometryMode;
 use clap::ValueEnum;
 use std::path::PathBuf;
 
+/// Where [`ProblemArgs`] says nothing; its help has them, too. (Not clap's: what was given must be told from what was not.)
+pub(super) const DIMENSIONS: usize = 6;
+pub(super) const EXPONENT: f64 = 1.0;
+pub(super) const SKY: u64 = 0;
+
 /// What belongs to one problem or another.
 #[derive(clap::Args)]
 pub(super) struct ProblemArgs {

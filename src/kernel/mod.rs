@@ -72,7 +72,8 @@ impl Traversal for TreeTraversal {
     type Shadow = Shadow;
 }
 
-/// As the world is built, looked at once a call: for kernels whose number counts for more than that.
+/// As the world is built, looked at once a call: for paths that are recorded and those that a gather goes on with, since one
+/// kernel for all trees counts for more there than that look.
 pub struct AsBuilt;
 impl Traversal for AsBuilt {
     type Camera = Built<Packet>;
@@ -167,8 +168,8 @@ pub fn select(world: &World, width: Width) -> Kernel {
         (Estimator::Path, GeometryMode::Brute, Shading::General) => widths!(width, path, [BruteForce, AllModels]),
         (Estimator::Path, _, Shading::Lambert) => widths!(width, path, [TreeTraversal, LambertOnly]),
         (Estimator::Path, _, Shading::General) => widths!(width, path, [TreeTraversal, AllModels]),
-        (Estimator::Gather, ..) => widths!(width, gather, [AsBuilt]),
-        (Estimator::View, ..) => widths!(width, view, [AsBuilt]),
+        (Estimator::Gather, ..) => widths!(width, gather, []),
+        (Estimator::View, ..) => widths!(width, view, []),
     }
 }
 
@@ -178,7 +179,7 @@ pub type LightKernel = fn(&World, &LightJob, &mut Vec<Splat>, &mut Counters);
 /// The kernel of light paths, of all models; `None` where the plan leaves them out.
 pub fn select_light(world: &World, width: Width) -> Option<LightKernel> {
     world.light_paths?;
-    Some(widths!(width, light, [AsBuilt]))
+    Some(widths!(width, light, []))
 }
 
 /// What is instantiated for an integrator.
@@ -205,9 +206,9 @@ impl Estimator {
 /// the one kernel there is, as built.
 pub fn select_recording(world: &World, width: Width) -> RecordingKernel {
     match Estimator::of(world) {
-        Estimator::Path => widths!(width, record_path, [AsBuilt]),
-        Estimator::Gather => widths!(width, record_gather, [AsBuilt]),
-        Estimator::View => widths!(width, record_view, [AsBuilt]),
+        Estimator::Path => widths!(width, record_path, []),
+        Estimator::Gather => widths!(width, record_gather, []),
+        Estimator::View => widths!(width, record_view, []),
     }
 }
 
@@ -228,33 +229,28 @@ mod run {
     }
 
     #[inline(never)]
-    pub fn light<R: Real, T: Traversal>(
-        world: &World,
-        job: &LightJob,
-        splats: &mut Vec<Splat>,
-        counters: &mut Counters,
-    ) {
-        super::light_paths::trace::<R, T>(world, job, splats, counters)
+    pub fn light<R: Real>(world: &World, job: &LightJob, splats: &mut Vec<Splat>, counters: &mut Counters) {
+        super::light_paths::trace::<R>(world, job, splats, counters)
     }
 
     #[inline(never)]
-    pub fn view<R: Real, T: Traversal>(world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters) {
-        super::view::render::<R, T, NoProbe>(world, job, out, counters, &mut NoProbe)
+    pub fn view<R: Real>(world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters) {
+        super::view::render::<R, NoProbe>(world, job, out, counters, &mut NoProbe)
     }
 
     #[inline(never)]
-    pub fn gather<R: Real, T: Traversal>(world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters) {
-        super::gather::render::<R, T>(world, job, out, counters)
+    pub fn gather<R: Real>(world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters) {
+        super::gather::render::<R>(world, job, out, counters)
     }
 
-    pub fn record_gather<R: Real, T: Traversal>(
+    pub fn record_gather<R: Real>(
         world: &World,
         job: &Job,
         out: &mut SampleBuffer,
         counters: &mut Counters,
         recorder: &mut Recorder,
     ) {
-        gather::<R, T>(world, job, out, counters);
+        gather::<R>(world, job, out, counters);
         for (slot, rgb) in out.rgb.iter_mut().enumerate() {
             let lanes = Lanes::<f32> { slot: Bits::splat(slot as u32), bounce: 0.0, active: true };
             *rgb = recorder.tap_rgb(Stage::Radiance, lanes, Vec3::splat(*rgb)).lane(0);
@@ -262,24 +258,24 @@ mod run {
     }
 
     #[inline(never)]
-    pub fn record_path<R: Real, T: Traversal>(
+    pub fn record_path<R: Real>(
         world: &World,
         job: &Job,
         out: &mut SampleBuffer,
         counters: &mut Counters,
         recorder: &mut Recorder,
     ) {
-        super::wave::render::<R, T, AllModels, Recorder>(world, &AllModels, job, out, counters, recorder)
+        super::wave::render::<R, AsBuilt, AllModels, Recorder>(world, &AllModels, job, out, counters, recorder)
     }
 
     #[inline(never)]
-    pub fn record_view<R: Real, T: Traversal>(
+    pub fn record_view<R: Real>(
         world: &World,
         job: &Job,
         out: &mut SampleBuffer,
         counters: &mut Counters,
         recorder: &mut Recorder,
     ) {
-        super::view::render::<R, T, Recorder>(world, job, out, counters, recorder)
+        super::view::render::<R, Recorder>(world, job, out, counters, recorder)
     }
 }

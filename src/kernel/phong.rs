@@ -7,17 +7,18 @@
 use super::cutout;
 use super::direct::light_ray;
 use super::material::AllModels;
-use super::path::{Traversal, same_side};
+use super::path::same_side;
 use super::surface::Surface;
 use super::tile::Counters;
 use super::world::World;
+use crate::accel::{Built, Shadow, Stream};
 use crate::geometry::Ray;
 use crate::lane::{Mask, Real, Vec3};
 use crate::sampling::Frame;
 
 /// Radiance towards the viewer of the surfaces in `found`, of the background elsewhere.
 #[inline(never)]
-pub fn shade<R: Real, T: Traversal>(
+pub fn shade<R: Real>(
     world: &World,
     ray: &Ray<R>,
     surface: &mut Surface<R>,
@@ -46,7 +47,7 @@ pub fn shade<R: Real, T: Traversal>(
         let carries = lit & contribution.max_component().gt(R::zero());
         if carries.any() {
             counters.shadow(carries);
-            let clear = cutout::visible::<R, T::Shadow, T::Bounce>(world, &light_ray(surface, &light), carries);
+            let clear = cutout::visible::<R, Built<Shadow>, Built<Stream>>(world, &light_ray(surface, &light), carries);
             radiance = radiance + (contribution * clear).masked(carries);
         }
     }

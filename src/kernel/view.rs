@@ -2,11 +2,11 @@
 //!
 //! [`phong`]: super::phong
 
-use super::path::Traversal;
 use super::probe::{Lanes, Probe, Stage};
 use super::surface::Surface;
 use super::tile::{CameraQueue, Counters, Job, SampleBuffer};
 use super::world::World;
+use crate::accel::{Built, Packet};
 use crate::geometry::MISS;
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::scene::IntegratorKind;
@@ -18,7 +18,7 @@ pub fn towards_viewer<R: Real>(n: Vec3<R>, direction: Vec3<R>) -> Vec3<R> {
 }
 
 /// Renders all samples of a job: camera rays only. A miss reads 0 in every view.
-pub fn render<R: Real, T: Traversal, P: Probe>(
+pub fn render<R: Real, P: Probe>(
     world: &World,
     job: &Job,
     out: &mut SampleBuffer,
@@ -26,7 +26,7 @@ pub fn render<R: Real, T: Traversal, P: Probe>(
     probe: &mut P,
 ) {
     let mut queue = CameraQueue::<R>::new(world, job);
-    while let Some(mut packet) = queue.next_packet::<T::Camera>(true) {
+    while let Some(mut packet) = queue.next_packet::<Built<Packet>>(true) {
         counters.traced(true, packet.active);
         counters.shaded(packet.active);
         let lanes = Lanes { slot: packet.slot, bounce: R::zero(), active: packet.active };
@@ -36,7 +36,7 @@ pub fn render<R: Real, T: Traversal, P: Probe>(
         let normal = towards_viewer(surface.ns, packet.ray.direction);
         let distance = packet.hit.t * R::splat(world.unit);
         if world.integrator.kind == IntegratorKind::Phong {
-            let value = super::phong::shade::<R, T>(world, &packet.ray, &mut surface, found, counters);
+            let value = super::phong::shade::<R>(world, &packet.ray, &mut surface, found, counters);
             let value = probe.tap_rgb(Stage::Radiance, lanes, value);
             out.add(packet.slot, value, packet.active);
         } else {

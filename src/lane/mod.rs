@@ -11,6 +11,7 @@
 pub mod array;
 pub mod float_mode;
 pub mod math;
+mod prefetch;
 mod register;
 mod reverse;
 mod shuffle;
@@ -20,7 +21,7 @@ mod width1;
 mod width16;
 mod width8;
 
-pub use shuffle::{prefetch, prefetch_second};
+pub use prefetch::{prefetch, prefetch_second};
 pub use vec3::{Vec3, axes, difference_of_products};
 pub(crate) use wide::u32x8;
 pub use wide::{f32x8, f32x16};

@@ -17,11 +17,12 @@ mod worker;
 pub use tables::{GatherReport, GatherTables};
 
 use super::material::MaterialAt;
-use super::path::{Traversal, same_side};
+use super::path::same_side;
 use super::surface::Surface;
 use super::tile::{CameraQueue, Counters, Job, SampleBuffer, lanes_of};
 use super::view::towards_viewer;
 use super::world::World;
+use crate::accel::{Built, Packet};
 use crate::geometry::MISS;
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::sampling::dimensions::*;
@@ -78,21 +79,15 @@ pub fn prepare(world: &mut World, materials: &[Material]) {
 }
 
 /// Renders all samples of a job. Nothing where the world has no tables for it.
-pub fn render<R: Real, T: Traversal>(world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters) {
+pub fn render<R: Real>(world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters) {
     let Some(tables) = &world.gather else { return };
-    visit::<R, T>(&mut Worker::new(world, tables, None), world, job, out, counters);
+    visit::<R>(&mut Worker::new(world, tables, None), world, job, out, counters);
 }
 
 /// The first hits of a job, one after the other.
-fn visit<R: Real, T: Traversal>(
-    worker: &mut Worker,
-    world: &World,
-    job: &Job,
-    out: &mut SampleBuffer,
-    counters: &mut Counters,
-) {
+fn visit<R: Real>(worker: &mut Worker, world: &World, job: &Job, out: &mut SampleBuffer, counters: &mut Counters) {
     let mut queue = CameraQueue::<R>::new(world, job);
-    while let Some(mut packet) = queue.next_packet::<T::Camera>(true) {
+    while let Some(mut packet) = queue.next_packet::<Built<Packet>>(true) {
         counters.traced(true, packet.active);
         counters.shaded(packet.active);
         let missed = packet.hit.primitive.eq(R::Bits::splat(MISS)) & packet.active;
@@ -129,10 +124,10 @@ fn visit<R: Real, T: Traversal>(
                 first_ray: 0,
             };
             if worker.watch.is_some() {
-                shrink::look::<R, T>(worker, &vertex, counters);
+                shrink::look::<R>(worker, &vertex, counters);
                 continue;
             }
-            let gathered = worker.estimate::<R, T>(vertex, counters);
+            let gathered = worker.estimate::<R>(vertex, counters);
             let own = radiance.lane(lane);
             radiance.set_lane(lane, std::array::from_fn(|c| own[c] + gathered.radiance[c] as f32));
             if world.plan.posterior {

@@ -10,10 +10,9 @@ use super::trace::Beams;
 use super::worker::Worker;
 use super::{Vertex, visit};
 use crate::estimate::bmc::Pilot;
-use crate::kernel::path::Traversal;
+use crate::kernel::Width;
 use crate::kernel::tile::{Counters, Job, SampleBuffer};
 use crate::kernel::world::World;
-use crate::kernel::{AsBuilt, Width};
 use crate::lane::{Mask, Real, f32x8, f32x16};
 use crate::sampling::dimensions::BSDF_LOBE;
 use crate::sampling::{Sampler, SamplerKind, child_key};
@@ -73,7 +72,7 @@ impl Watch {
 }
 
 /// In a pilot: the estimates at a hit, each with a turn of its own, set after set, and as many of points of their own.
-pub(super) fn look<R: Real, T: Traversal>(worker: &mut Worker, vertex: &Vertex<R>, counters: &mut Counters) {
+pub(super) fn look<R: Real>(worker: &mut Worker, vertex: &Vertex<R>, counters: &mut Counters) {
     if !vertex.surface.material.gathers().any() {
         return;
     }
@@ -86,7 +85,7 @@ pub(super) fn look<R: Real, T: Traversal>(worker: &mut Worker, vertex: &Vertex<R
         let mut rng = Sampler::<f32>::independent(|_| key);
         let mut u = rng.bounce_dims(SamplerKind::Independent, 0.0);
         u[BSDF_LOBE] = ((k % ESTIMATES) as f32 + 0.5) / ESTIMATES as f32;
-        worker.estimate::<R, T>(vertex.again(key, u), counters);
+        worker.estimate::<R>(vertex.again(key, u), counters);
     }
 }
 
@@ -138,16 +137,16 @@ fn pilot(world: &World) -> (Vec<Pilot>, u64) {
 /// Lanes leave no trace in what is seen: the fastest will do.
 fn watched(world: &World, job: &Job) -> (Watch, u64) {
     match Width::native() {
-        Width::Sixteen => look_through::<f32x16, AsBuilt>(world, job),
-        _ => look_through::<f32x8, AsBuilt>(world, job),
+        Width::Sixteen => look_through::<f32x16>(world, job),
+        _ => look_through::<f32x8>(world, job),
     }
 }
 
-fn look_through<R: Real, T: Traversal>(world: &World, job: &Job) -> (Watch, u64) {
+fn look_through<R: Real>(world: &World, job: &Job) -> (Watch, u64) {
     let (mut out, mut counters) = (SampleBuffer::default(), Counters::default());
     out.reset(job.slots(), false);
     let Some(tables) = &world.gather else { return Default::default() };
     let mut worker = Worker::new(world, tables, Some(Watch::default()));
-    visit::<R, T>(&mut worker, world, job, &mut out, &mut counters);
+    visit::<R>(&mut worker, world, job, &mut out, &mut counters);
     (worker.watch.unwrap_or_default(), counters.rays())
 }

@@ -2,10 +2,12 @@
 
 use super::Vertex;
 use super::draw::Directions;
+use crate::accel::{Built, Shadow, Stream};
 use crate::geometry::{MISS, Ray};
+use crate::kernel::AsBuilt;
 use crate::kernel::cutout;
 use crate::kernel::material::AllModels;
-use crate::kernel::path::{Paths, Traversal};
+use crate::kernel::path::Paths;
 use crate::kernel::probe::NoProbe;
 use crate::kernel::surface::Surface;
 use crate::kernel::tile::{Counters, SampleBuffer};
@@ -109,7 +111,7 @@ impl Beams {
     /// others have light samples.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
-    pub fn add<R: Real, T: Traversal>(
+    pub fn add<R: Real>(
         &mut self,
         world: &World,
         vertex: &Vertex<R>,
@@ -127,9 +129,9 @@ impl Beams {
         }
         counters.traced(false, carries);
         let arriving = if goes_on {
-            self.continued::<R, T>(world, vertex, first, ray, carries, direct, counters)
+            self.continued::<R>(world, vertex, first, ray, carries, direct, counters)
         } else {
-            seen::<R, T>(world, vertex, first, ray, carries)
+            seen::<R>(world, vertex, first, ray, carries)
         };
         self.put(first, throughput.hadamard(arriving).masked(carries));
     }
@@ -137,7 +139,7 @@ impl Beams {
     /// Paths that go on from the first hit.
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
-    fn continued<R: Real, T: Traversal>(
+    fn continued<R: Real>(
         &mut self,
         world: &World,
         vertex: &Vertex<R>,
@@ -150,38 +152,32 @@ impl Beams {
         let out = &mut self.paths;
         out.reset(R::WIDTH, false);
         let rng = vertex.numbers(first).0;
-        let hit = cutout::closest::<R, T::Bounce>(world, ray, &rng, R::one(), carries);
+        let hit = cutout::closest::<R, Built<Stream>>(world, ray, &rng, R::one(), carries);
         let mut paths = Paths::begin(*ray, hit, rng, R::Bits::from_fn(|lane| lane as u32), carries);
         paths.bsdf_pdf = R::select(direct, R::splat(f32::INFINITY), R::splat(LEFT_TO_LIGHT_SAMPLES));
         paths.bounce = R::one();
         let mut start = Some(paths);
         Wave::<R, AllModels, NoProbe>::new(world, &AllModels, 1, out, counters, &mut NoProbe)
-            .run::<T>(|_| start.take());
+            .run::<AsBuilt>(|_| start.take());
         Vec3::from_fn(|lane| out.rgb[lane])
     }
 }
 
 /// The lights that rays meet.
 #[inline(always)]
-fn seen<R: Real, T: Traversal>(
-    world: &World,
-    vertex: &Vertex<R>,
-    first: usize,
-    ray: &Ray<R>,
-    active: R::Mask,
-) -> Vec3<R> {
+fn seen<R: Real>(world: &World, vertex: &Vertex<R>, first: usize, ray: &Ray<R>, active: R::Mask) -> Vec3<R> {
     if !world.plan.area_lights {
         // Whatever stands in the way is dark.
         if !world.plan.environment {
             return Vec3::zero();
         }
-        let clear = cutout::visible::<R, T::Shadow, T::Bounce>(world, ray, active);
+        let clear = cutout::visible::<R, Built<Shadow>, Built<Stream>>(world, ray, active);
         return world.background(ray.direction, clear.gt(R::zero())) * clear;
     }
     let hit = if world.plan.cutouts {
-        cutout::closest::<R, T::Bounce>(world, ray, &vertex.numbers(first).0, R::one(), active)
+        cutout::closest::<R, Built<Stream>>(world, ray, &vertex.numbers(first).0, R::one(), active)
     } else {
-        world.closest::<R, T::Bounce>(ray, active)
+        world.closest::<R, Built<Stream>>(ray, active)
     };
     let missed = hit.primitive.eq(R::Bits::splat(MISS)) & active;
     let found = active & !missed;

@@ -6,11 +6,12 @@ use super::shrink::Watch;
 use super::tables::GatherTables;
 use super::trace::{Beams, Estimate};
 use super::{About, LOBE_RAYS, Vertex};
+use crate::accel::{Built, Shadow, Stream};
 use crate::geometry::Ray;
 use crate::kernel::cutout;
 use crate::kernel::direct::{behind, light_ray};
 use crate::kernel::material::AllModels;
-use crate::kernel::path::{Traversal, same_side};
+use crate::kernel::path::same_side;
 use crate::kernel::pattern;
 use crate::kernel::tile::Counters;
 use crate::kernel::world::World;
@@ -37,27 +38,27 @@ impl<'a> Worker<'a> {
 }
 
 impl Worker<'_> {
-    pub fn estimate<R: Real, T: Traversal>(&mut self, mut vertex: Vertex<R>, counters: &mut Counters) -> Estimate {
+    pub fn estimate<R: Real>(&mut self, mut vertex: Vertex<R>, counters: &mut Counters) -> Estimate {
         let (tables, believes) = (self.tables, self.world.plan.posterior);
         let sampled = tables.settings.lights == GatherLights::Sampled;
         let mut found = Estimate::default();
         let delta = vertex.surface.material.is_delta::<AllModels>().any();
         // A pilot looks at weights alone.
         if self.watch.is_none() && !delta && self.world.lights.is_some() && (sampled || self.world.plan.delta_lights) {
-            self.add_lights::<R, T>(&vertex, sampled, counters);
+            self.add_lights::<R>(&vertex, sampled, counters);
             found.add(self.beams.settle(None, believes));
         }
         if !vertex.surface.material.gathers().any() {
-            self.scatter::<R, T>(&vertex, sampled, counters);
+            self.scatter::<R>(&vertex, sampled, counters);
             found.add(self.beams.settle(None, believes));
         } else if !sampled || self.world.max_bounces > 1.0 {
             self.turn(&mut vertex);
             if tables.settings.pdf == GatherPdf::Lobe {
-                found.add(self.gather_parts::<R, T>(&mut vertex, sampled, counters));
+                found.add(self.gather_parts::<R>(&mut vertex, sampled, counters));
             } else {
                 let material = vertex.surface.material.in_all_lanes(0);
                 let about_normal = About { family: &tables.base, material: &material, without: None, lobe: None };
-                found.add(self.gather::<R, T>(&vertex, &about_normal, sampled, counters));
+                found.add(self.gather::<R>(&vertex, &about_normal, sampled, counters));
             }
         }
         found
@@ -65,26 +66,21 @@ impl Worker<'_> {
 
     /// A Lambert base about the normal, a glossy lobe about the mirror direction.
     #[inline(never)]
-    fn gather_parts<R: Real, T: Traversal>(
-        &mut self,
-        vertex: &mut Vertex<R>,
-        sampled: bool,
-        counters: &mut Counters,
-    ) -> Estimate {
+    fn gather_parts<R: Real>(&mut self, vertex: &mut Vertex<R>, sampled: bool, counters: &mut Counters) -> Estimate {
         let tables = self.tables;
         let mut found = Estimate::default();
         let Parts { base, lobe, below } = Parts::of(&vertex.surface.material, &self.world.plan);
         if let Some(material) = &base {
             let without = lobe.as_ref().filter(|_| below).map(|(material, _)| material);
             let about = About { family: &tables.base, material, without, lobe: None };
-            found.add(self.gather::<R, T>(vertex, &about, sampled, counters));
+            found.add(self.gather::<R>(vertex, &about, sampled, counters));
         }
         if let Some((material, kind)) = &lobe {
             let family = kind.nearest(&tables.lobe_kinds).map_or(&tables.base, |i| &tables.lobes[i]);
             vertex.first_ray = LOBE_RAYS;
             let mirror = lobe::mirror_frame(vertex, tables.settings.rotate || self.watch.is_some());
             let about = About { family, material, without: None, lobe: Some(mirror) };
-            found.add(self.gather::<R, T>(vertex, &about, sampled, counters));
+            found.add(self.gather::<R>(vertex, &about, sampled, counters));
         }
         found
     }
@@ -107,7 +103,7 @@ impl Worker<'_> {
     }
 
     /// Weighted directions of a point set.
-    fn gather<R: Real, T: Traversal>(
+    fn gather<R: Real>(
         &mut self,
         vertex: &Vertex<R>,
         about: &About<R>,
@@ -141,7 +137,7 @@ impl Worker<'_> {
             let throughput = f_cos * weight;
             let ray = Ray { origin: surface.leave(direction), direction, t_max: R::splat(f32::INFINITY) };
             let carries = keep & throughput.max_component().abs().gt(R::zero());
-            beams.add::<R, T>(world, vertex, first, &ray, throughput, carries, direct, counters);
+            beams.add::<R>(world, vertex, first, &ray, throughput, carries, direct, counters);
         }
         if let Some(watch) = watch {
             watch.see(about.family, set, beams);
@@ -150,7 +146,7 @@ impl Worker<'_> {
     }
 
     /// Directions that the material draws: a delta lobe has no others, and glass has some on both sides.
-    fn scatter<R: Real, T: Traversal>(&mut self, vertex: &Vertex<R>, sampled: bool, counters: &mut Counters) {
+    fn scatter<R: Real>(&mut self, vertex: &Vertex<R>, sampled: bool, counters: &mut Counters) {
         let Worker { world, tables, beams, .. } = self;
         let surface = &vertex.surface;
         let share = R::splat(tables.count() as f32).recip();
@@ -171,12 +167,12 @@ impl Worker<'_> {
             let direct = sample.delta | R::Mask::splat(!sampled);
             let ray = Ray { origin: surface.leave(direction), direction, t_max: R::splat(f32::INFINITY) };
             let carries = keep & throughput.max_component().gt(R::zero());
-            beams.add::<R, T>(world, vertex, first, &ray, throughput, carries, direct, counters);
+            beams.add::<R>(world, vertex, first, &ray, throughput, carries, direct, counters);
         }
     }
 
     /// n light samples. Unless lights are `sampled`, those without extent alone: the others are seen.
-    fn add_lights<R: Real, T: Traversal>(&mut self, vertex: &Vertex<R>, sampled: bool, counters: &mut Counters) {
+    fn add_lights<R: Real>(&mut self, vertex: &Vertex<R>, sampled: bool, counters: &mut Counters) {
         let Worker { world, tables, beams, .. } = self;
         let surface = &vertex.surface;
         let share = R::splat(tables.count() as f32).recip();
@@ -205,7 +201,7 @@ impl Worker<'_> {
                 continue;
             }
             counters.shadow(carries);
-            let clear = cutout::visible::<R, T::Shadow, T::Bounce>(world, &light_ray(surface, &light), carries);
+            let clear = cutout::visible::<R, Built<Shadow>, Built<Stream>>(world, &light_ray(surface, &light), carries);
             beams.put(first, (contribution * clear).masked(carries));
         }
     }

@@ -2,7 +2,6 @@
 //! what falls away is made up for, so that packets stay full. Splats of a path come in the path's own order.
 
 use super::super::cutout;
-use super::super::path::Traversal;
 use super::super::queue::{Queue, ROOM};
 use super::super::tile::{Counters, lanes_of};
 use super::super::world::World;
@@ -10,9 +9,9 @@ use super::LightPaths;
 use super::rows::*;
 use super::start::start;
 use super::vertex::vertex;
+use crate::accel::{Built, Shadow, Stream};
 use crate::geometry::{Hit, Ray};
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
-use core::marker::PhantomData;
 
 /// Light paths to trace together.
 #[derive(Clone, Copy, Debug)]
@@ -43,9 +42,9 @@ const TOGETHER: usize = 8;
 const _: () = assert!(POOL + 3 * MAX_WIDTH <= ROOM);
 
 /// Traces a job's light paths and appends what they splat: those of one path in the path's order, paths in any.
-pub fn trace<R: Real, T: Traversal>(world: &World, job: &LightJob, splats: &mut Vec<Splat>, counters: &mut Counters) {
+pub fn trace<R: Real>(world: &World, job: &LightJob, splats: &mut Vec<Splat>, counters: &mut Counters) {
     let Some(paths) = world.light_paths else { return };
-    let mut wave = LightWave::<R, T> {
+    let mut wave = LightWave::<R> {
         world,
         paths,
         splats,
@@ -54,12 +53,11 @@ pub fn trace<R: Real, T: Traversal>(world: &World, job: &LightJob, splats: &mut 
         next: Queue::new(),
         hits: Queue::new(),
         links: Queue::new(),
-        kinds: PhantomData,
     };
     wave.run(job);
 }
 
-struct LightWave<'a, R: Real, T> {
+struct LightWave<'a, R: Real> {
     world: &'a World,
     paths: LightPaths,
     splats: &'a mut Vec<Splat>,
@@ -70,10 +68,9 @@ struct LightWave<'a, R: Real, T> {
     /// Too few so far.
     hits: Queue<R, HIT, { 3 * MAX_WIDTH }>,
     links: Queue<R, LINK>,
-    kinds: PhantomData<T>,
 }
 
-impl<R: Real, T: Traversal> LightWave<'_, R, T> {
+impl<R: Real> LightWave<'_, R> {
     fn run(&mut self, job: &LightJob) {
         let mut started = 0;
         loop {
@@ -109,11 +106,11 @@ impl<R: Real, T: Traversal> LightWave<'_, R, T> {
             (rays[k], active[k]) = (unpack(&row, alive).ray, alive);
             self.counters.traced(false, alive);
         }
-        self.world.closest_many::<R, T::Bounce>(&rays[..count], &active[..count], &mut hits[..count]);
+        self.world.closest_many::<R, Built<Stream>>(&rays[..count], &active[..count], &mut hits[..count]);
         for (k, hit) in hits[..count].iter().enumerate() {
             let (row, alive) = self.going.packet(first + k * R::WIDTH);
             let mut walk = unpack(&row, alive);
-            walk.hit = cutout::stopping::<R, T::Bounce>(self.world, &walk.ray, &walk.rng, walk.bounce, *hit, alive);
+            walk.hit = cutout::stopping::<R, Built<Stream>>(self.world, &walk.ray, &walk.rng, walk.bounce, *hit, alive);
             let hit = alive & walk.hit.valid();
             if hit.all() {
                 self.shade(walk);
@@ -170,13 +167,13 @@ impl<R: Real, T: Traversal> LightWave<'_, R, T> {
             let (row, carries) = self.links.packet(first + k * R::WIDTH);
             (rays[k], active[k]) = (link_ray(&row), carries);
         }
-        self.world.occluded_many::<R, T::Shadow>(&rays[..count], &active[..count], &mut occluded[..count]);
+        self.world.occluded_many::<R, Built<Shadow>>(&rays[..count], &active[..count], &mut occluded[..count]);
         for (k, occluded) in occluded.into_iter().enumerate().take(count) {
             let (row, carries) = self.links.packet(first + k * R::WIDTH);
             let hidden = carries & occluded;
             let mut clear = R::one().masked(carries & !occluded);
             if self.world.plan.cutouts && hidden.any() {
-                let share = cutout::transmittance::<R, T::Bounce>(self.world, &rays[k], hidden);
+                let share = cutout::transmittance::<R, Built<Stream>>(self.world, &rays[k], hidden);
                 clear = R::select(hidden, share, clear);
             }
             self.splat(&row, clear);
