@@ -7,24 +7,29 @@ use std::collections::HashMap;
 /// How far, of its distance to the edge that both have, the third vertex of one triangle may be from the plane of the other.
 const FLAT: f64 = 1e-6;
 
+/// Where more triangles emit nobody looks: lamps made for two sides by hand have few, and every load would pay for it.
+const MOST: usize = 4096;
+
 /// A vertex, as bits: the same place is the same key.
 type Place = [u32; 3];
 
 /// Two triangles that emit and cover each other, with an edge in common. Rays that run into what both cover find one of them alone,
 /// whichever way it faces, while light samples find both. Where they face opposite ways, as those of a lamp that is to shine to both
 /// sides, light is lost; where they face the same way, it counts twice. Quads that are cut along different diagonals are found,
-/// too; lamps that overlap without an edge in common are not. The first such pair, by the numbers of its triangles.
+/// too; lamps that overlap without an edge in common, and those among more than [`MOST`], are not. The first such pair, by the
+/// numbers of its triangles.
 fn lamps(scene: &Scene) -> Option<[usize; 2]> {
     let mesh = &scene.mesh;
     let emits: Vec<bool> = scene.materials.iter().map(Material::emits).collect();
     if !emits.contains(&true) {
         return None;
     }
+    let emitting = || mesh.triangles.iter().zip(&mesh.material).enumerate().filter(|(_, (_, m))| emits[**m as usize]);
+    if emitting().nth(MOST).is_some() {
+        return None;
+    }
     let mut beside: HashMap<[Place; 2], Vec<(usize, [f32; 3])>> = HashMap::new();
-    for (i, (triangle, &material)) in mesh.triangles.iter().zip(&mesh.material).enumerate() {
-        if !emits[material as usize] {
-            continue;
-        }
+    for (i, (triangle, _)) in emitting() {
         // −0 is where 0 is.
         let corners = triangle.map(|corner| mesh.positions[corner as usize].map(|x| x + 0.0));
         for k in 0..3 {
