@@ -5,10 +5,11 @@
     python3 tools/peer_embree.py [SCENE.toml | kitchen ...] [--octolux target/release/octolux] [--rounds 5] [--json FILE]
 
 The peer has the same rules (one light sample by power and one material sample a vertex, power heuristic, roulette from the
-fifth event), waves of 512 paths, 16 lanes, robust=0. Its best setting (instruction set, packets of 16 or 8, or single
-rays) is found in one survey; then `octolux bench` and that setting are timed alternately on the same two cores. Image
-means of the two are compared in the peer's own windows: `off` is in standard errors of the difference. `--cpu`, for a machine that
-others use too: user seconds of one thread, of many samples less those of few, in turn.
+fifth event), waves of 512 paths, robust=0. Both have 16 lanes, 8 where there is no AVX-512. The peer's best setting
+(instruction set, packets of 16 or 8, or single rays) is found in one survey; then `octolux bench` and that setting are timed
+alternately on the same two cores. Image means of the two are compared in the peer's own windows: `off` is in standard
+errors of the difference. `--cpu`, for a machine that others use too: user seconds of one thread, of many samples less
+those of few, in turn.
 Of materials it knows diffuse and conductor with eta and k; triangles are flat. `kitchen`: ../shared/models/kitchen.obj, flat, each
 material diffuse with its Kd, under a panel of light, 512 x 512.
 """
@@ -25,9 +26,12 @@ import tomllib
 
 import numpy as np
 
+from compare_embree import instruction_sets
 from peer_mitsuba import parse_obj
 
 HERE = pathlib.Path(__file__).parent
+WIDE = instruction_sets()[-1]
+LANES = 16 if WIDE == "avx512" else 8
 SHARED = HERE.parent.parent / "shared"
 
 
@@ -151,13 +155,13 @@ def user_seconds(command):
 
 
 def by_cpu(args, path, program, binary):
-    """Million paths per user second, by round: ours, and of each of the peer's settings (isa=avx512)."""
+    """Million paths per user second, by round: ours, and of each of the peer's settings (with the widest instructions)."""
     pixels = int(np.prod(struct.unpack("2i", open(binary, "rb").read(8))))
     low, high = (max(1, round(n * 65536 / pixels)) for n in (8, 40))
     image = args.scratch / "cpu.exr"
 
     def ours(spp):
-        return user_seconds([args.octolux, "render", path, "-o", image, "--roulette", "5,1", "--path-reuse", "off", "--threads", 1, "--lanes", 16, "--quiet",
+        return user_seconds([args.octolux, "render", path, "-o", image, "--roulette", "5,1", "--path-reuse", "off", "--threads", 1, "--lanes", LANES, "--quiet",
                              "--spp", spp])
 
     def theirs(spp, bounce, shadow):
@@ -165,7 +169,7 @@ def by_cpu(args, path, program, binary):
         return user_seconds([program, binary, "--threads", 1, "--windows", 1, "--bounce", bounce, "--shadow", shadow,
                              "--spp", spp]) / 2
 
-    settings = [(1, 8), (1, 16), (8, 8), (8, 16), (16, 16)]
+    settings = [(1, 8), (8, 8)] + [(1, 16), (8, 16), (16, 16)] * (LANES == 16)
     rates = []
     for _ in range(args.rounds):
         seconds = [ours(high) - ours(low)] + [theirs(high, *s) - theirs(low, *s) for s in settings]
@@ -175,10 +179,10 @@ def by_cpu(args, path, program, binary):
 
 def survey(program, scene):
     """The setting with the most paths a second."""
-    first = {"isa": "avx512", "bounce": 16, "shadow": 16}
+    first = {"isa": WIDE, "bounce": LANES, "shadow": LANES}
     spp = samples_for(program, scene, first, 0.3)
     rates = []
-    for isa in ["avx2", "avx512"]:
+    for isa in instruction_sets():
         widths = [1, 8] if isa == "avx2" else [1, 8, 16]
         for bounce in widths:
             for shadow in widths:
@@ -214,14 +218,14 @@ def compare(args, name, program):
         rates, settings = by_cpu(args, path, program, binary)
         medians = [statistics.median(column) for column in zip(*rates)]
         best = max(range(1, len(medians)), key=lambda k: medians[k])
-        setting = dict(zip(("isa", "bounce", "shadow"), ("avx512", *settings[best - 1])))
+        setting = dict(zip(("isa", "bounce", "shadow"), (WIDE, *settings[best - 1])))
         check = None if args.no_means else means(args, path, setting, program, binary)
         return result(name, setting, check, [(row[0], row[best]) for row in rates])
     setting, spp = survey(program, binary)
     check = None if args.no_means else means(args, path, setting, program, binary)
     rounds = []
     for _ in range(args.rounds):
-        ours = json.loads(run([args.octolux, "bench", path, "--roulette", "5,1", "--path-reuse", "off", "--threads", 2, "--lanes", 16, "--windows", 3,
+        ours = json.loads(run([args.octolux, "bench", path, "--roulette", "5,1", "--path-reuse", "off", "--threads", 2, "--lanes", LANES, "--windows", 3,
                                "--json", "-"]))
         theirs = peer(program, binary, setting, spp=spp, windows=3)
         rounds.append((ours["settings"][0]["mpaths_per_s"], theirs["mpaths_per_s"]))

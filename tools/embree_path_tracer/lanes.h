@@ -1,16 +1,24 @@
-// Sixteen lanes: GCC's vector types, the functions that shading needs, and a random number generator.
+// Sixteen lanes with AVX-512, eight with AVX2: GCC's vector types, the functions that shading needs, and a random number
+// generator.
 #pragma once
 #include <immintrin.h>
+#include <array>
 #include <cstdint>
-#ifndef __AVX512F__
-#error "this program is written for AVX-512: compile on such a machine with -march=native"
-#endif
 
-constexpr int LANES = 16, WAVE = 512;
+constexpr int WAVE = 512;
 constexpr float PI = 3.14159265358979f;
-typedef float F __attribute__((vector_size(64)));
-typedef int I __attribute__((vector_size(64)));
-typedef unsigned U __attribute__((vector_size(64)));
+
+#ifdef __AVX512DQ__
+constexpr int LANES = 16;
+#else
+#ifndef __AVX2__
+#error "this program is written for AVX2 or AVX-512: compile on such a machine with -march=native"
+#endif
+constexpr int LANES = 8;
+#endif
+typedef float F __attribute__((vector_size(4 * LANES)));
+typedef int I __attribute__((vector_size(4 * LANES)));
+typedef unsigned U __attribute__((vector_size(4 * LANES)));
 
 static inline F splat(float x) { return F{} + x; }
 static inline F load(const float* p) { return *(const F*)p; }
@@ -18,6 +26,9 @@ static inline void store(float* p, F x) { *(F*)p = x; }
 static inline F min(F a, F b) { return a < b ? a : b; }
 static inline F max(F a, F b) { return a > b ? a : b; }
 static inline F abs(F a) { return (F)((I)a & 0x7fffffff); }
+
+#ifdef __AVX512DQ__
+static inline I numbers() { return I{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}; }
 static inline F root(F a) { return (F)_mm512_sqrt_ps((__m512)max(a, splat(0))); }
 static inline F to_float(I a) { return (F)_mm512_cvtepi32_ps((__m512i)a); }
 static inline I to_int(F a) { return (I)_mm512_cvttps_epi32((__m512)a); }
@@ -25,6 +36,39 @@ static inline F floor_(F a) { return (F)_mm512_floor_ps((__m512)a); }
 static inline F gather(const float* table, I i) { return (F)_mm512_i32gather_ps((__m512i)i, table, 4); }
 static inline I gather(const int* table, I i) { return (I)_mm512_i32gather_epi32((__m512i)i, table, 4); }
 static inline unsigned bits(I mask) { return _mm512_movepi32_mask((__m512i)mask); }
+// The lanes of mask moved to the front, in order.
+static inline F compress(unsigned mask, F x) { return (F)_mm512_maskz_compress_ps(mask, (__m512)x); }
+// Writes the lanes of mask.
+static inline void store(float* p, unsigned mask, F x) { _mm512_mask_storeu_ps(p, mask, (__m512)x); }
+// Writes all, wherever that is.
+static inline void store_anywhere(float* p, F x) { _mm512_storeu_ps(p, (__m512)x); }
+#else
+static inline I numbers() { return I{0, 1, 2, 3, 4, 5, 6, 7}; }
+static inline F root(F a) { return (F)_mm256_sqrt_ps((__m256)max(a, splat(0))); }
+static inline F to_float(I a) { return (F)_mm256_cvtepi32_ps((__m256i)a); }
+static inline I to_int(F a) { return (I)_mm256_cvttps_epi32((__m256)a); }
+static inline F floor_(F a) { return (F)_mm256_floor_ps((__m256)a); }
+static inline F gather(const float* table, I i) { return (F)_mm256_i32gather_ps(table, (__m256i)i, 4); }
+static inline I gather(const int* table, I i) { return (I)_mm256_i32gather_epi32(table, (__m256i)i, 4); }
+static inline unsigned bits(I mask) { return _mm256_movemask_ps((__m256)mask); }
+// Of each mask the numbers of its lanes, a byte each.
+static constexpr auto ORDERS = [] {
+    std::array<uint64_t, 256> orders{};
+    for (unsigned mask = 0; mask < 256; mask++)
+        for (unsigned lane = 0, place = 0; lane < 8; lane++)
+            if (mask >> lane & 1) orders[mask] |= uint64_t(lane) << (8 * place++);
+    return orders;
+}();
+static inline F compress(unsigned mask, F x) {
+    __m256i order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)ORDERS[mask]));
+    return (F)_mm256_permutevar8x32_ps((__m256)x, order);
+}
+static inline void store(float* p, unsigned mask, F x) {
+    I lanes = ((I{} + int(mask)) & (I{} + 1) << numbers()) != 0;
+    _mm256_maskstore_ps(p, (__m256i)lanes, (__m256)x);
+}
+static inline void store_anywhere(float* p, F x) { _mm256_storeu_ps(p, (__m256)x); }
+#endif
 
 struct V {
     F x, y, z;

@@ -1,6 +1,6 @@
 // A path tracer on Embree, as a person who knows both would write it in a day: the peer that octolux is timed against.
 //
-// Paths go in waves of 512 a thread, in structure-of-arrays; every stage runs over 16 lanes (AVX-512, GCC's vector types);
+// Paths go in waves of 512 a thread, in structure-of-arrays; every stage runs over 16 lanes with AVX-512, 8 with AVX2;
 // ended paths are replaced by new camera paths, so lanes stay full. Embree traces packets of 16 or 8 rays, or single rays,
 // whatever `--bounce` and `--shadow` say (tools/peer_embree.py finds the best). The same rules as octolux: one light sample
 // and one material sample a vertex, power heuristic, roulette from the fifth event on, `max_bounces` events.
@@ -15,7 +15,7 @@
 
 struct Options {
     int threads = 2, spp = 64, windows = 5, bounce = 16, shadow = 16, seed = 1;
-    std::string isa = "avx512", out;
+    std::string isa = LANES == 16 ? "avx512" : "avx2", out;
 };
 
 struct Work { // rows of the film, all samples of a pixel together
@@ -52,16 +52,16 @@ struct Worker {
             w.pixel[i] = px, w.bounce[i] = 0, w.ra[i] = hash(key), w.rb[i] = hash(key ^ 0x5bd1e995u) | 1;
         }
         const Camera& c = s.camera;
-        for (int at = first & ~15; at < w.alive; at += LANES) {
-            I numbers = I{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15} + at;
-            __mmask16 fresh = bits((numbers >= first) & (numbers < w.alive));
+        for (int at = first & ~(LANES - 1); at < w.alive; at += LANES) {
+            I number = numbers() + at;
+            unsigned fresh = bits((number >= first) & (number < w.alive));
             Rng rng = {*(U*)(w.ra + at), *(U*)(w.rb + at)};
             I px = *(I*)(w.pixel + at), py = to_int((to_float(px) + 0.5f) / float(s.width));
             F sx = (to_float(px - py * s.width) + rng.next()) * (2.0f / s.width) - 1.0f;
             F sy = 1.0f - (to_float(py) + rng.next()) * (2.0f / s.height);
             V d = unit({c.forward[0] + c.right[0] * sx + c.up[0] * sy, c.forward[1] + c.right[1] * sx + c.up[1] * sy,
                         c.forward[2] + c.right[2] * sx + c.up[2] * sy});
-            auto put = [&](float* to, F x) { _mm512_mask_storeu_ps(to + at, fresh, (__m512)x); };
+            auto put = [&](float* to, F x) { store(to + at, fresh, x); };
             put(w.ray.ox, splat(c.position[0])), put(w.ray.oy, splat(c.position[1])), put(w.ray.oz, splat(c.position[2]));
             put(w.ray.dx, d.x), put(w.ray.dy, d.y), put(w.ray.dz, d.z), put(w.ray.far, splat(1e30f));
             put(w.br, splat(1)), put(w.bg, splat(1)), put(w.bb, splat(1));
@@ -87,8 +87,7 @@ struct Worker {
                 float* columns[] = {w.ray.ox, w.ray.oy, w.ray.oz, w.ray.dx, w.ray.dy, w.ray.dz, w.ray.far, w.br, w.bg, w.bb,
                                     w.lr, w.lg, w.lb, w.pdf, (float*)w.ra, (float*)w.rb, (float*)w.pixel, (float*)w.bounce};
                 for (float* c : columns) {
-                    __m512 packed = _mm512_maskz_compress_ps(keep, _mm512_load_ps(c + at));
-                    _mm512_mask_storeu_ps(c + to, (1u << __builtin_popcount(keep)) - 1, packed);
+                    store(c + to, (1u << __builtin_popcount(keep)) - 1, compress(keep, load(c + at)));
                 }
             }
             to += __builtin_popcount(keep);

@@ -1,4 +1,4 @@
-// What happens at a vertex, 16 paths at a time.
+// What happens at a vertex, a register of paths at a time.
 #pragma once
 #include "trace.h"
 
@@ -123,19 +123,17 @@ template <bool METALS> static inline void sample(const Material& m, V wo, F u1, 
     }
 }
 
-// By a register: compressing stores are slow on Zen. Writes 16 lanes, of which the first count.
-static inline void compress(float* to, unsigned mask, F x) {
-    _mm512_storeu_ps(to, _mm512_maskz_compress_ps(mask, (__m512)x));
-}
+// By a register: compressing stores are slow on Zen. Writes all lanes, of which the first count.
+static inline void compress(float* to, unsigned mask, F x) { store_anywhere(to, compress(mask, x)); }
 
-// One vertex of 16 paths: emission, light sample, next direction, roulette. Ended paths have bounce = -1 after it.
+// One vertex of a register of paths: emission, light sample, next direction, roulette. Ended paths have bounce = -1 after it.
 template <bool METALS> static void shade(const Scene& s, Wave& w, int at) {
     V d = {load(w.ray.dx + at), load(w.ray.dy + at), load(w.ray.dz + at)};
     V beta = {load(w.br + at), load(w.bg + at), load(w.bb + at)};
     V light = {load(w.lr + at), load(w.lg + at), load(w.lb + at)};
     F pdf = load(w.pdf + at), t = load(w.ray.far + at);
     I prim = *(I*)(w.prim + at), bounce = *(I*)(w.bounce + at);
-    I lanes = I{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15} + at, alive = lanes < w.alive, hit = alive & (prim >= 0);
+    I lanes = numbers() + at, alive = lanes < w.alive, hit = alive & (prim >= 0);
     if (s.sky.w && bits(alive & ~hit)) {
         Look sky = sky_along(s.sky, d);
         F weight = heuristic(pdf, sky.pdf * s.environment_choice);
