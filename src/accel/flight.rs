@@ -2,12 +2,14 @@
 
 use super::lanes::Lanes;
 use super::leaf::EdgeValues;
+use super::leaves::Keep;
 use super::lists::{Chosen, Lists};
 use super::node::Child;
 use super::tree::{OneHit, STACK};
 use super::visits::Visits;
 use crate::geometry::{Hit, MISS, Ray, RaySetup};
-use crate::lane::{Bits, Mask, Real};
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real};
+use core::hint::select_unpredictable;
 use std::cell::RefCell;
 
 /// Rays in flight at most. Found by measuring, with 64 and 96.
@@ -47,13 +49,13 @@ pub struct Stacks {
     pub child: [u32; RAYS * PLACES],
 }
 
-/// The best hits so far, laid out as they are read at the end.
-pub struct Best {
-    pub t: [f32; RAYS],
-    pub primitive: [u32; RAYS],
-    pub u: [f32; RAYS],
-    pub v: [f32; RAYS],
-}
+/// The best hits so far, a row each: the bits of the primitive's number, the distance, u and v. After them those that were
+/// found last.
+///
+/// Whether a hit is better than the best is anybody's guess. A row is taken or kept by choosing its number: without AVX-512
+/// x86 has no choice between floats but a branch.
+#[repr(C, align(64))]
+pub struct Best([[f32; 4]; RAYS + MAX_WIDTH]);
 
 /// The rays in flight.
 #[repr(C, align(64))]
@@ -76,7 +78,7 @@ thread_local! {
     // would have its own, written when it begins, whether it traces or not.
     pub static FLIGHT: RefCell<Box<Flight>> = RefCell::new(Box::new(Flight {
         lanes: Lanes::ZERO,
-        best: Best { t: [0.0; RAYS], primitive: [0; RAYS], u: [0.0; RAYS], v: [0.0; RAYS] },
+        best: Best::NONE,
         lists: Lists::EMPTY,
         chosen: Chosen::NONE,
         visits: Visits::NONE,
@@ -88,36 +90,71 @@ thread_local! {
 }
 
 impl Best {
-    /// Ray `i` keeps what it found if that is better than its best.
+    const NONE: Self = Self([[0.0; 4]; RAYS + MAX_WIDTH]);
+
+    /// Of ray `i`, or how far it looks.
     #[inline(always)]
-    pub fn keep(&mut self, i: usize, found: OneHit) {
-        let mut best = OneHit { t: self.t[i], primitive: self.primitive[i], u: self.u[i], v: self.v[i] };
-        best.keep(found);
-        (self.t[i], self.primitive[i], self.u[i], self.v[i]) = (best.t, best.primitive, best.u, best.v);
+    pub fn t(&self, i: usize) -> f32 {
+        self.0[i][1]
     }
+
+    /// See [`OneHit::key`].
+    #[inline(always)]
+    fn key(&self, row: usize) -> u64 {
+        let [primitive, t, ..] = self.0[row];
+        u64::from(t.to_bits()) << 32 | u64::from(primitive.to_bits())
+    }
+
+    /// Ray `i` keeps what was found at `place` if that is better than its best.
+    #[inline(always)]
+    fn choose(&mut self, i: usize, place: usize) {
+        let found = RAYS + place;
+        self.0[i] = self.0[select_unpredictable(self.key(found) < self.key(i), found, i)];
+    }
+
+    /// Nothing yet, of the packet of rays `first` …, which look as far as `t_max`.
+    #[inline(always)]
+    fn miss<R: Real>(&mut self, first: usize, t_max: R) {
+        let miss = R::from_bits(R::Bits::splat(MISS));
+        if let Some((rows, _)) = self.0[first..].split_first_chunk_mut() {
+            R::store_rows(&[miss, t_max, R::zero(), R::zero()], rows);
+        }
+    }
+
     /// Of the packet of rays `first` …
     #[inline(always)]
     pub fn packet<R: Real>(&self, first: usize) -> Hit<R> {
-        let all = first..first + R::WIDTH;
-        Hit {
-            t: R::load(&self.t[all.clone()]),
-            primitive: R::Bits::load(&self.primitive[all.clone()]),
-            u: R::load(&self.u[all.clone()]),
-            v: R::load(&self.v[all]),
+        let rows = R::Bits::from_fn(|lane| (first + lane) as u32);
+        let [primitive, t, u, v] = R::fetch_rows(&self.0, rows);
+        Hit { t, primitive: primitive.to_bits(), u, v }
+    }
+}
+
+impl Keep for Best {
+    #[inline(always)]
+    fn eight<E: Real>(&mut self, rays: [usize; 8], found: Hit<E>) {
+        let Hit { t, primitive, u, v } = found;
+        if let Some((rows, _)) = self.0[RAYS..].split_first_chunk_mut() {
+            E::store_rows(&[E::from_bits(primitive), t, u, v], rows);
         }
+        for (place, i) in rays.into_iter().enumerate() {
+            self.choose(i, place);
+        }
+    }
+
+    #[inline(always)]
+    fn one(&mut self, i: usize, found: OneHit) {
+        self.0[RAYS] = [f32::from_bits(found.primitive), found.t, found.u, found.v];
+        self.choose(i, 0);
     }
 }
 
 impl Flight {
-    /// Lays out the packet of rays `first` …, none of which has hit anything.
+    /// Lays out the packet of rays `first` …, none of which has hit anything, for closest hits.
     #[inline(always)]
-    pub fn board<R: Real>(&mut self, first: usize, setup: &RaySetup<R>, t_max: R) {
+    fn board<R: Real>(&mut self, first: usize, setup: &RaySetup<R>, t_max: R) {
         self.lanes.set(first, setup, t_max);
-        let all = first..first + R::WIDTH;
-        t_max.store(&mut self.best.t[all.clone()]);
-        R::Bits::splat(MISS).store(&mut self.best.primitive[all.clone()]);
-        R::zero().store(&mut self.best.u[all.clone()]);
-        R::zero().store(&mut self.best.v[all]);
+        self.best.miss(first, t_max);
         self.empty_stacks(first, R::WIDTH);
     }
 
@@ -142,13 +179,17 @@ impl Flight {
     }
 }
 
-/// Lays out packets; their live lanes as bits.
+/// Lays out packets, for closest hits or for any alone; their live lanes as bits.
 #[inline(always)]
-pub fn board<R: Real>(flight: &mut Flight, rays: &[Ray<R>], active: &[R::Mask]) -> Rays {
+pub fn board<R: Real>(flight: &mut Flight, rays: &[Ray<R>], active: &[R::Mask], closest: bool) -> Rays {
     let mut bits = 0;
     for (k, (ray, active)) in rays.iter().zip(active).enumerate() {
-        let first = k * R::WIDTH;
-        flight.board(first, &RaySetup::new(ray), ray.t_max);
+        let (first, setup) = (k * R::WIDTH, RaySetup::new(ray));
+        if closest {
+            flight.board(first, &setup, ray.t_max);
+        } else {
+            flight.lanes.set(first, &setup, ray.t_max);
+        }
         bits |= Rays::from((*active & ray.usable()).bits()) << first;
     }
     bits

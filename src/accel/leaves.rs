@@ -1,12 +1,12 @@
 //! Many rays at the blocks they have come to, a list of them at a time.
 
-use super::flight::{Best, Candidates, RAYS};
+use super::flight::{Candidates, RAYS};
 use super::lanes::Lanes;
 use super::leaf::Found;
 use super::lists::ROOM;
 use super::node::Child;
 use super::tree::{Block, OneHit, Tree};
-use crate::geometry::RaySetup;
+use crate::geometry::{Hit, RaySetup};
 use crate::lane::array::{from_fn, map};
 use crate::lane::{Bits, Real};
 use core::hint::select_unpredictable;
@@ -14,9 +14,11 @@ use core::hint::select_unpredictable;
 /// Fewer candidates than this are met one after another, more side by side. Found by measuring.
 const FEW: usize = 4;
 
-/// Is told of each candidate: the ray and how it hits, at [`OneHit::NEVER`] if not.
-pub trait Keep: Fn(&mut Best, usize, OneHit) {}
-impl<F: Fn(&mut Best, usize, OneHit)> Keep for F {}
+/// Is told of candidates: the rays, and how they hit; at [`OneHit::NEVER`] where they do not.
+pub trait Keep {
+    fn eight<E: Real>(&mut self, rays: [usize; 8], found: Hit<E>);
+    fn one(&mut self, ray: usize, found: OneHit);
+}
 
 /// Rays and the block of `tree` that each is at.
 pub struct Leaves<'a, B> {
@@ -59,16 +61,16 @@ impl<'a, B: Block> Leaves<'a, B> {
 
     /// Meets the first `len` candidates.
     #[inline(always)]
-    pub fn meet<E: Real>(&self, len: usize, lanes: &Lanes<RAYS>, found: &Candidates, best: &mut Best, keep: impl Keep) {
+    pub fn meet<E: Real>(&self, len: usize, lanes: &Lanes<RAYS>, found: &Candidates, keep: &mut impl Keep) {
         let eights = if len % 8 < FEW { len - len % 8 } else { len };
         for first in (0..eights).step_by(8) {
-            self.meet_eight::<E>(first, lanes, found, best, &keep);
+            self.meet_eight::<E>(first, lanes, found, keep);
         }
         for at in eights..len {
             let (k, place) = found.at(at);
             let i = self.ray(k);
             let (hit, found) = self.block(k).meet_one(place, &lanes.ray(i), &found.edges[k]);
-            keep(best, i, OneHit { t: select_unpredictable(hit, found.t, OneHit::NEVER), ..found });
+            keep.one(i, OneHit { t: select_unpredictable(hit, found.t, OneHit::NEVER), ..found });
         }
     }
 
@@ -79,8 +81,7 @@ impl<'a, B: Block> Leaves<'a, B> {
         first: usize,
         lanes: &Lanes<RAYS>,
         found: &Candidates,
-        best: &mut Best,
-        keep: impl Keep,
+        keep: &mut impl Keep,
     ) {
         let eight: [_; 8] = from_fn(|l| found.at(first + l));
         let i = map(eight, |(k, _)| self.ray(k));
@@ -90,13 +91,6 @@ impl<'a, B: Block> Leaves<'a, B> {
         let found = Found { blocks, places, edges: map(eight, |(k, _)| &found.edges[k]) };
         let (hits, t, u, v) = B::meet(&found, &RaySetup::new(&ray));
         let t = E::select(hits & t.lt(ray.t_max), t, E::splat(OneHit::NEVER));
-        let mut columns = [[0.0; 8]; 3];
-        for (column, values) in columns.iter_mut().zip([t, u, v]) {
-            values.store(column);
-        }
-        let [t, u, v] = columns;
-        for (l, i) in i.into_iter().enumerate() {
-            keep(best, i, OneHit { primitive: blocks[l].id(places[l]), t: t[l], u: u[l], v: v[l] });
-        }
+        keep.eight(i, Hit { t, primitive: E::Bits::from_fn(|l| blocks[l].id(places[l])), u, v });
     }
 }

@@ -89,12 +89,13 @@ impl Node {
         slab(near, far, ray.setup.origin, ray.setup.inverse)
     }
 
-    /// Where a ray enters and leaves the children, as [`slab`] computes it, but for the sign of zero and the padding.
+    /// Where a ray enters and leaves the children, as [`slab`] computes it, but for the sign of zero and the padding; it
+    /// leaves none after `t_best`.
     #[inline(always)]
-    fn crossed<E: Real>(&self, ray: &Crossing<E>) -> (E, E) {
+    fn crossed<E: Real>(&self, ray: &Crossing<E>, t_best: E) -> (E, E) {
         let planes = self.planes.as_flattened();
         let distance = |k: usize, near: usize| (ray.origin[k] - E::load(&planes[16 * k + near..])) * ray.against[k];
-        let (mut t_near, mut t_far) = (E::zero(), E::splat(f32::INFINITY));
+        let (mut t_near, mut t_far) = (E::zero(), t_best);
         for k in 0..3 {
             t_near = distance(k, ray.near[k]).max_or(t_near);
             t_far = distance(k, ray.near[k] ^ 8).min_or(t_far);
@@ -102,22 +103,22 @@ impl Node {
         (t_near, t_far)
     }
 
-    /// The children that a ray enters before `t_best`, as bits in the octant's order (the nearest is the highest), where
-    /// it enters them, and all the child words, in that order.
+    /// The children that a ray enters before `t_best` (but for the padding), as bits in the octant's order (the nearest is the
+    /// highest), where it enters them, and all the child words, in that order.
     #[inline(always)]
     pub fn entered<E: Real>(&self, ray: &Crossing<E>, t_best: E) -> (u32, E, E::Bits) {
         let order = E::Bits::unpack_octal(self.order[ray.octant]);
-        let (t_near, t_far) = self.crossed(ray);
-        let (t_near, t_far) = (t_near.permute(order), t_far.permute(order) * E::splat(FAR_PAD));
-        let bits = t_near.le_bits(t_far.min_or(t_best));
+        let (t_near, t_far) = self.crossed(ray, t_best);
+        let t_near = t_near.permute(order);
+        let bits = t_near.le_bits((t_far * E::splat(FAR_PAD)).permute(order));
         (bits, t_near, E::from_bits(E::Bits::load(&self.children)).permute(order).to_bits())
     }
 
-    /// The children that a ray enters before `t_max`, as bits.
+    /// The children that a ray enters before `t_max` (but for the padding), as bits.
     #[inline(always)]
     pub fn met<E: Real>(&self, ray: &Crossing<E>, t_max: E) -> u32 {
-        let (t_near, t_far) = self.crossed(ray);
-        t_near.le_bits((t_far * E::splat(FAR_PAD)).min_or(t_max))
+        let (t_near, t_far) = self.crossed(ray, t_max);
+        t_near.le_bits(t_far * E::splat(FAR_PAD))
     }
 
     #[inline(always)]

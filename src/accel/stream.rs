@@ -41,7 +41,7 @@ impl<B: Block> Walk<'_, B> {
             let i = self.lists.ray(kind, k);
             let place = self.top[i] as usize;
             let (t_near, child) = (self.stacks.t_near[place], self.stacks.child[place]);
-            let child = Child(select_unpredictable(t_near <= best.t[i], child, Child::NONE.0));
+            let child = Child(select_unpredictable(t_near <= best.t(i), child, Child::NONE.0));
             self.chosen.set(k, child);
         }
         let before = *counts;
@@ -67,7 +67,7 @@ impl<B: Block> Walk<'_, B> {
         let top = self.top[i] as usize;
         let t_nears = &mut self.stacks.t_near[top..top + 8];
         let children = &mut self.stacks.child[top..top + 8];
-        let (bits, t_near, words) = node.entered(&lanes.crossing::<E>(i), E::splat(best.t[i]));
+        let (bits, t_near, words) = node.entered(&lanes.crossing::<E>(i), E::splat(best.t(i)));
         t_near.compress(bits).store(t_nears);
         E::from_bits(words).compress(bits).to_bits().store(children);
         self.top[i] = (top as u32 + bits.count_ones()) - 1;
@@ -79,7 +79,7 @@ impl<B: Block> Walk<'_, B> {
         for k in 0..count {
             let i = self.lists.ray(kind, k);
             let below = self.top[i] as usize - FLOOR;
-            let open = E::load(&self.stacks.t_near[below..]).le_bits(E::splat(best.t[i]));
+            let open = E::load(&self.stacks.t_near[below..]).le_bits(E::splat(best.t(i)));
             self.top[i] = below as u32 + (open | 1).ilog2();
         }
     }
@@ -107,7 +107,7 @@ fn walk<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays) {
         let (rays, children) = walk.lists.of(BLOCKS);
         let leaves = Leaves { tree, rays, children };
         let found = leaves.edges::<R::Eight>(blocks, lanes, candidates);
-        leaves.meet::<R::Eight>(found, lanes, candidates, best, Best::keep);
+        leaves.meet::<R::Eight>(found, lanes, candidates, best);
         walk.pop_all::<R::Eight>(BLOCKS, blocks, best);
         walk.send::<R::Eight>(&mut counts, BLOCKS, blocks, best);
         let pops = counts.take(POPS);
@@ -120,7 +120,7 @@ fn walk<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays) {
 #[inline(never)]
 fn closest<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &mut [Hit<R>]) {
     FLIGHT.with_borrow_mut(|flight| {
-        let bits = board(flight, rays, active);
+        let bits = board(flight, rays, active, true);
         walk::<_, R>(&accel.triangle_tree, flight, bits);
         if accel.sphere_tree.root != Child::NONE {
             flight.empty_stacks(0, rays.len() * R::WIDTH);
@@ -136,7 +136,7 @@ fn closest<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &m
 #[inline(never)]
 fn any<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
     FLIGHT.with_borrow_mut(|flight| {
-        let bits = board(flight, rays, active);
+        let bits = board(flight, rays, active, false);
         let mut all = any_from_root::<_, R>(&accel.triangle_tree, flight, bits);
         all |= any_from_root::<_, R>(&accel.sphere_tree, flight, bits & !all);
         for (k, found) in found.iter_mut().enumerate() {

@@ -1,13 +1,13 @@
 //! Any hit, each ray on its own: whatever it hits ends it, so that its visits to nodes and blocks need know nothing of each
 //! other, and have neither an order nor a stack for each ray.
 
-use super::flight::{Best, Flight, RAYS, Rays, packet_of};
+use super::flight::{Flight, RAYS, Rays, packet_of};
 use super::lanes::Lanes;
-use super::leaves::Leaves;
+use super::leaves::{Keep, Leaves};
 use super::lists::ROOM;
 use super::node::Child;
-use super::tree::{Block, MAX_DEPTH, Tree};
-use crate::geometry::MISS;
+use super::tree::{Block, MAX_DEPTH, OneHit, Tree};
+use crate::geometry::Hit;
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real};
 use core::hint::select_unpredictable;
 
@@ -38,6 +38,26 @@ pub struct Visits {
     /// Those that are being made.
     rays: [u32; ROOM],
     children: [u32; ROOM],
+    open: Open,
+}
+
+/// 1 for each ray that has hit nothing, else 0.
+struct Open([u32; RAYS]);
+
+impl Keep for Open {
+    #[inline(always)]
+    fn eight<E: Real>(&mut self, rays: [usize; 8], found: Hit<E>) {
+        let mut misses = [0; 8];
+        found.t.to_bits().shr::<31>().store(&mut misses);
+        for (i, miss) in rays.into_iter().zip(misses) {
+            self.0[i] &= miss;
+        }
+    }
+
+    #[inline(always)]
+    fn one(&mut self, ray: usize, found: OneHit) {
+        self.0[ray] &= u32::from(found.t.is_sign_negative());
+    }
 }
 
 impl Visits {
@@ -46,6 +66,7 @@ impl Visits {
         len: [0; 2],
         rays: [0; ROOM],
         children: [0; ROOM],
+        open: Open([1; RAYS]),
     };
 
     /// The rays `first` + lanes of each entry are to visit its child: no more than [`MOST`] visits altogether.
@@ -69,7 +90,7 @@ impl Visits {
 
     /// Takes up to `most` visits from the end of a list, less those of rays that have hit something; how many.
     #[inline(always)]
-    fn take(&mut self, kind: usize, most: usize, best: &Best) -> usize {
+    fn take(&mut self, kind: usize, most: usize) -> usize {
         let (list, end) = (&self.lists[kind], self.len[kind]);
         self.len[kind] = end - end.min(most);
         let mut count = 0;
@@ -77,7 +98,7 @@ impl Visits {
             let ray = list.rays[k];
             self.rays[count % RAYS] = ray;
             self.children[count % RAYS] = list.children[k];
-            count += usize::from(best.t[ray as usize % RAYS] > 0.0);
+            count += self.open.0[ray as usize % RAYS] as usize;
         }
         count
     }
@@ -99,9 +120,9 @@ impl Visits {
 
     /// Takes visits to nodes and makes them.
     #[inline(always)]
-    fn nodes<B: Block, E: Real>(&mut self, tree: &Tree<B>, lanes: &Lanes<RAYS>, best: &Best) {
+    fn nodes<B: Block, E: Real>(&mut self, tree: &Tree<B>, lanes: &Lanes<RAYS>) {
         let room = MOST.saturating_sub(self.len[NODES]) / 8;
-        let count = self.take(NODES, room.clamp(1, TOGETHER), best);
+        let count = self.take(NODES, room.clamp(1, TOGETHER));
         let (before, mut len) = (self.len, self.len);
         for k in 0..count {
             self.step::<B, E>(k, &mut len, tree, lanes);
@@ -115,27 +136,23 @@ impl Visits {
     }
 }
 
-/// Makes the visits of the flight, and all that come of them: which rays of `bits` hit anything. Those are at −∞ thereafter.
+/// Makes the visits of the flight, and all that come of them: which rays of `bits` hit anything.
 #[inline(always)]
 pub fn any_of<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays) -> Rays {
-    let Flight { lanes, best, candidates, visits, .. } = flight;
+    let Flight { lanes, candidates, visits, .. } = flight;
+    visits.open = Open([1; RAYS]);
     while visits.len != [0; 2] {
         while visits.len[BLOCKS] > 0 {
-            let count = visits.take(BLOCKS, RAYS, best);
+            let count = visits.take(BLOCKS, RAYS);
             let leaves = Leaves { tree, rays: &visits.rays, children: &visits.children };
             let found = leaves.edges::<R::Eight>(count, lanes, candidates);
-            leaves.meet::<R::Eight>(found, lanes, candidates, best, |best, i, found| {
-                let hit = found.t.is_sign_positive();
-                best.primitive[i] = select_unpredictable(hit, 0, best.primitive[i]);
-                best.t[i] = select_unpredictable(hit, f32::NEG_INFINITY, best.t[i]);
-            });
+            leaves.meet::<R::Eight>(found, lanes, candidates, &mut visits.open);
         }
-        visits.nodes::<B, R::Eight>(tree, lanes, best);
+        visits.nodes::<B, R::Eight>(tree, lanes);
     }
     let mut hits = 0;
-    for (k, primitives) in best.primitive.chunks_exact(R::WIDTH).enumerate() {
-        let hit = !R::Bits::load(primitives).eq(R::Bits::splat(MISS));
-        hits |= Rays::from(hit.bits()) << (k * R::WIDTH);
+    for (k, open) in visits.open.0.chunks_exact(R::WIDTH).enumerate() {
+        hits |= Rays::from(R::Bits::load(open).eq(R::Bits::splat(0)).bits()) << (k * R::WIDTH);
     }
     hits & bits
 }

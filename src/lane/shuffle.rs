@@ -44,6 +44,13 @@ pub fn store_rows8<const N: usize>(columns: &[f32x8; N], rows: &mut [[f32; N]]) 
         }
         first += 8;
     }
+    if first + 4 <= N {
+        let part = four_rows(crate::lane::array::from_fn(|k| columns[first + k]));
+        for (row, part) in rows.iter_mut().zip(part) {
+            row[first..first + 4].copy_from_slice(&part);
+        }
+        first += 4;
+    }
     for (k, column) in columns.iter().enumerate().skip(first) {
         for (row, value) in rows.iter_mut().zip(column.to_array()) {
             row[k] = value;
@@ -150,6 +157,37 @@ fn four_columns(rows: [[f32; 4]; 8]) -> [f32x8; 4] {
     }
     #[cfg(not(target_feature = "avx"))]
     crate::lane::array::from_fn(|c| f32x8::new(crate::lane::array::from_fn(|i| rows[i][c])))
+}
+
+/// Rows of four columns.
+#[inline(always)]
+fn four_rows(columns: [f32x8; 4]) -> [[f32; 4]; 8] {
+    #[cfg(target_feature = "avx")]
+    // SAFETY: the build has AVX; registers only, and each store writes the 16 bytes of a row.
+    unsafe {
+        use core::arch::x86_64::*;
+        let [a, b, c, d] = map(columns, |column| column.into());
+        let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
+        let (ab_high, cd_high) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
+        // Rows i and i + 4.
+        let pairs = [
+            _mm256_shuffle_ps::<0x44>(ab, cd),
+            _mm256_shuffle_ps::<0xee>(ab, cd),
+            _mm256_shuffle_ps::<0x44>(ab_high, cd_high),
+            _mm256_shuffle_ps::<0xee>(ab_high, cd_high),
+        ];
+        let mut rows = [[0.0; 4]; 8];
+        for (i, pair) in pairs.into_iter().enumerate() {
+            _mm_storeu_ps(rows[i].as_mut_ptr(), _mm256_castps256_ps128(pair));
+            _mm_storeu_ps(rows[i + 4].as_mut_ptr(), _mm256_extractf128_ps::<1>(pair));
+        }
+        rows
+    }
+    #[cfg(not(target_feature = "avx"))]
+    {
+        let columns = map(columns, |column| column.to_array());
+        crate::lane::array::from_fn(|i| map(columns, |column| column[i]))
+    }
 }
 
 /// Lane `i` is `table[index[i] & 3]`.
