@@ -85,10 +85,6 @@ impl Lists {
     pub fn of(&self, kind: usize) -> (&[u32; ROOM], &[u32; ROOM]) {
         (&self.rays[kind], &self.children[kind])
     }
-    #[inline(always)]
-    pub fn child(&self, kind: usize, k: usize) -> Child {
-        Child(self.children[kind][k % RAYS])
-    }
 }
 
 /// The children that the rays of a list go to.

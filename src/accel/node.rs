@@ -109,8 +109,8 @@ impl Node {
     pub fn entered<E: Real>(&self, ray: &Crossing<E>, t_best: E) -> (u32, E, E::Bits) {
         let order = E::Bits::unpack_octal(self.order[ray.octant]);
         let (t_near, t_far) = self.crossed(ray, t_best);
-        let t_near = t_near.permute(order);
-        let bits = t_near.le_bits((t_far * E::splat(FAR_PAD)).permute(order));
+        let (t_near, t_far) = (t_near.permute(order), t_far.permute(order) * E::splat(FAR_PAD));
+        let bits = t_near.le_bits(t_far);
         (bits, t_near, E::from_bits(E::Bits::load(&self.children)).permute(order).to_bits())
     }
 

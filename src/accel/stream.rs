@@ -57,20 +57,27 @@ impl<B: Block> Walk<'_, B> {
         }
     }
 
-    /// Tests the children of the node that ray `k` of the list is at and pushes those that are entered before its best hit,
-    /// the nearest last. The top is left at the last child, which is an older one where none is entered.
-    #[inline(always)]
-    fn step<E: Real>(&mut self, k: usize, lanes: &Lanes<RAYS>, best: &Best) {
-        // Everything that can be out of bounds first: what follows is one block, whose loads fold into broadcasts.
-        let node: &Node = &self.tree.nodes[self.lists.child(NODES, k).index()];
-        let i = self.lists.ray(NODES, k);
-        let top = self.top[i] as usize;
-        let t_nears = &mut self.stacks.t_near[top..top + 8];
-        let children = &mut self.stacks.child[top..top + 8];
-        let (bits, t_near, words) = node.entered(&lanes.crossing::<E>(i), E::splat(best.t(i)));
-        t_near.compress(bits).store(t_nears);
-        E::from_bits(words).compress(bits).to_bits().store(children);
-        self.top[i] = (top as u32 + bits.count_ones()) - 1;
+    /// Tests the children of the nodes that the first rays of the list are at and pushes those that are entered before their
+    /// best hits, the nearest last. The tops are left at the last child, which is an older one where none is entered.
+    ///
+    /// Not inlined: among the other loops this one would keep in memory what it needs for each node.
+    #[inline(never)]
+    fn step_all<E: Real>(&mut self, count: usize, lanes: &Lanes<RAYS>, best: &Best) {
+        let Walk { tree, stacks, top, lists, .. } = self;
+        let (rays, nodes) = lists.of(NODES);
+        for (ray, node) in rays[..count].iter().zip(&nodes[..count]) {
+            // Everything that can be out of bounds first: what follows is one block, whose loads fold into broadcasts.
+            let node: &Node = &tree.nodes[Child(*node).index()];
+            let i = *ray as usize % RAYS;
+            let top = &mut top[i];
+            let first = *top as usize;
+            let t_nears = &mut stacks.t_near[first..first + 8];
+            let children = &mut stacks.child[first..first + 8];
+            let (bits, t_near, words) = node.entered(&lanes.crossing::<E>(i), E::splat(best.t(i)));
+            t_near.compress(bits).store(t_nears);
+            E::from_bits(words).compress(bits).to_bits().store(children);
+            *top = (*top + bits.count_ones()) - 1;
+        }
     }
 
     /// Takes from the stacks of the first rays of a list those of the last eight children that they enter no more.
@@ -99,9 +106,7 @@ fn walk<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays) {
     }
     while !counts.none() {
         let nodes = counts.take(NODES);
-        for k in 0..nodes {
-            walk.step::<R::Eight>(k, lanes, best);
-        }
+        walk.step_all::<R::Eight>(nodes, lanes, best);
         walk.send::<R::Eight>(&mut counts, NODES, nodes, best);
         let blocks = counts.take(BLOCKS);
         let (rays, children) = walk.lists.of(BLOCKS);
