@@ -76,13 +76,7 @@ impl<'a, B: Block> Leaves<'a, B> {
 
     /// Meets eight candidates from `first` on.
     #[inline(always)]
-    fn meet_eight<E: Real>(
-        &self,
-        first: usize,
-        lanes: &Lanes<RAYS>,
-        found: &Candidates,
-        keep: &mut impl Keep,
-    ) {
+    fn meet_eight<E: Real>(&self, first: usize, lanes: &Lanes<RAYS>, found: &Candidates, keep: &mut impl Keep) {
         let eight: [_; 8] = from_fn(|l| found.at(first + l));
         let i = map(eight, |(k, _)| self.ray(k));
         let ray = lanes.gather::<E>(i);

@@ -4,6 +4,7 @@
 //! one of several [modes](Mode) named by a type. All give the same bits (see [`geometry`](crate::geometry)); they
 //! differ in what they are fast at.
 
+mod best;
 mod block;
 mod brute;
 mod build;

@@ -7,7 +7,8 @@
 //! it is known beforehand: a processor overlaps some three node tests, and only if nothing is stored at an address that
 //! one of them has yet to find.
 
-use super::flight::{Best, FLIGHT, FLOOR, Flight, RAYS, Rays, Stacks, board, packet_of};
+use super::best::Best;
+use super::flight::{FLIGHT, FLOOR, Flight, RAYS, Rays, Stacks, board, packet_of};
 use super::lanes::Lanes;
 use super::leaves::Leaves;
 use super::lists::{BLOCKS, Chosen, Counts, Lists, NODES, POPS};
@@ -60,8 +61,9 @@ impl<B: Block> Walk<'_, B> {
     /// Tests the children of the nodes that the first rays of the list are at and pushes those that are entered before their
     /// best hits, the nearest last. The tops are left at the last child, which is an older one where none is entered.
     ///
-    /// Not inlined: among the other loops this one would keep in memory what it needs for each node.
-    #[inline(never)]
+    /// Not inlined where registers are few: among the other loops this one would keep in memory what it needs for each node.
+    #[cfg_attr(not(target_feature = "avx512vl"), inline(never))]
+    #[cfg_attr(target_feature = "avx512vl", inline(always))]
     fn step_all<E: Real>(&mut self, count: usize, lanes: &Lanes<RAYS>, best: &Best) {
         let Walk { tree, stacks, top, lists, .. } = self;
         let (rays, nodes) = lists.of(NODES);
