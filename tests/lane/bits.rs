@@ -45,6 +45,7 @@ fn rows_are_columns_transposed() {
         check::<f32x16, N>();
     }
     widths::<3>();
+    widths::<4>();
     widths::<8>();
     widths::<13>();
     widths::<16>();
