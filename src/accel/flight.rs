@@ -81,9 +81,15 @@ thread_local! {
 }
 
 impl Flight {
+    /// Lays out the packet of rays `first` …, for any hits.
+    #[inline(always)]
+    pub fn for_any<R: Real>(&mut self, first: usize, setup: &RaySetup<R>, t_max: R) {
+        self.lanes.set(first, setup, t_max);
+    }
+
     /// Lays out the packet of rays `first` …, none of which has hit anything, for closest hits.
     #[inline(always)]
-    fn board<R: Real>(&mut self, first: usize, setup: &RaySetup<R>, t_max: R) {
+    pub fn for_closest<R: Real>(&mut self, first: usize, setup: &RaySetup<R>, t_max: R) {
         self.lanes.set(first, setup, t_max);
         self.best.miss(first, t_max);
         self.empty_stacks(first, R::WIDTH);
@@ -110,17 +116,18 @@ impl Flight {
     }
 }
 
-/// Lays out packets, for closest hits or for any alone; their live lanes as bits.
+/// Lays out packets by [`Flight::for_closest`] or [`Flight::for_any`]; their live lanes as bits.
 #[inline(always)]
-pub fn board<R: Real>(flight: &mut Flight, rays: &[Ray<R>], active: &[R::Mask], closest: bool) -> Rays {
+pub fn board<R: Real>(
+    flight: &mut Flight,
+    rays: &[Ray<R>],
+    active: &[R::Mask],
+    lay_out: impl Fn(&mut Flight, usize, &RaySetup<R>, R),
+) -> Rays {
     let mut bits = 0;
     for (k, (ray, active)) in rays.iter().zip(active).enumerate() {
-        let (first, setup) = (k * R::WIDTH, RaySetup::new(ray));
-        if closest {
-            flight.board(first, &setup, ray.t_max);
-        } else {
-            flight.lanes.set(first, &setup, ray.t_max);
-        }
+        let first = k * R::WIDTH;
+        lay_out(flight, first, &RaySetup::new(ray), ray.t_max);
         bits |= Rays::from((*active & ray.usable()).bits()) << first;
     }
     bits

@@ -14,7 +14,8 @@ use core::hint::select_unpredictable;
 /// Fewer candidates than this are met one after another, more side by side. Found by measuring.
 const FEW: usize = 4;
 
-/// Is told of candidates: the rays, and how they hit; at [`OneHit::NEVER`] where they do not.
+/// Is told of candidates: the rays, and how they hit; at [`OneHit::NEVER`] where they do not. Domain of `eight`: eight lanes
+/// (rays of one lane go [one at a time](super::Single)).
 pub trait Keep {
     fn eight<E: Real>(&mut self, rays: [usize; 8], found: Hit<E>);
     fn one(&mut self, ray: usize, found: OneHit);

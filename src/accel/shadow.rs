@@ -97,7 +97,7 @@ impl Left {
         if self.len == 0 {
             return 0;
         }
-        flight.lanes.set(first, setup, t_max);
+        flight.for_any(first, setup, t_max);
         let open = open.bits();
         let entries = self.entries[..self.len].iter().map(|entry| (entry.child, entry.lanes & open));
         flight.visits.add::<R>(first, entries);
@@ -202,7 +202,7 @@ fn any<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], found: &mut 
         }
         hidden |= any_of::<_, R>(&accel.triangle_tree, flight, visiting);
         if accel.sphere_tree.root != Child::NONE {
-            board(flight, rays, active, false);
+            board(flight, rays, active, Flight::for_any);
             hidden |= any_from_root::<_, R>(&accel.sphere_tree, flight, all & !hidden);
         }
         for (k, found) in found.iter_mut().enumerate() {

@@ -24,7 +24,8 @@ use core::hint::select_unpredictable;
 struct Walk<'a, B> {
     tree: &'a Tree<B>,
     stacks: &'a mut Stacks,
-    /// [`Flight::top`], of which this is a copy: through a reference each step would wait for the last one's stores.
+    /// [`Flight::top`], of which this is a copy, beside the lists and not among what is stored to: else each step would wait for
+    /// the last one's stores.
     top: [u32; RAYS],
     lists: &'a mut Lists,
     chosen: &'a mut Chosen,
@@ -127,7 +128,7 @@ fn walk<B: Block, R: Real>(tree: &Tree<B>, flight: &mut Flight, bits: Rays) {
 #[inline(never)]
 fn closest<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &mut [Hit<R>]) {
     FLIGHT.with_borrow_mut(|flight| {
-        let bits = board(flight, rays, active, true);
+        let bits = board(flight, rays, active, Flight::for_closest);
         walk::<_, R>(&accel.triangle_tree, flight, bits);
         if accel.sphere_tree.root != Child::NONE {
             flight.empty_stacks(0, rays.len() * R::WIDTH);
@@ -143,7 +144,7 @@ fn closest<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], hits: &m
 #[inline(never)]
 fn any<R: Real>(accel: &Accel, rays: &[Ray<R>], active: &[R::Mask], found: &mut [R::Mask]) {
     FLIGHT.with_borrow_mut(|flight| {
-        let bits = board(flight, rays, active, false);
+        let bits = board(flight, rays, active, Flight::for_any);
         let mut all = any_from_root::<_, R>(&accel.triangle_tree, flight, bits);
         all |= any_from_root::<_, R>(&accel.sphere_tree, flight, bits & !all);
         for (k, found) in found.iter_mut().enumerate() {

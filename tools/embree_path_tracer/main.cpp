@@ -14,7 +14,7 @@
 #include <thread>
 
 struct Options {
-    int threads = 2, spp = 64, windows = 5, bounce = 16, shadow = 16, seed = 1;
+    int threads = 2, spp = 64, windows = 5, bounce = LANES, shadow = LANES, seed = 1;
     std::string isa = LANES == 16 ? "avx512" : "avx2", out;
 };
 

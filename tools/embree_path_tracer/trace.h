@@ -2,9 +2,11 @@
 #pragma once
 #include "scene.h"
 
+constexpr int PACKET = 16; // the most rays that Embree takes at once
+
 struct Rays { // room for a whole packet beyond the wave
-    alignas(64) float ox[WAVE + LANES], oy[WAVE + LANES], oz[WAVE + LANES], dx[WAVE + LANES], dy[WAVE + LANES],
-        dz[WAVE + LANES], far[WAVE + LANES];
+    alignas(64) float ox[WAVE + PACKET], oy[WAVE + PACKET], oz[WAVE + PACKET], dx[WAVE + PACKET], dy[WAVE + PACKET],
+        dz[WAVE + PACKET], far[WAVE + PACKET];
 };
 
 struct Wave {
@@ -13,11 +15,11 @@ struct Wave {
     alignas(64) unsigned ra[WAVE], rb[WAVE];
     alignas(64) int pixel[WAVE], bounce[WAVE];
     // Hits.
-    alignas(64) float nx[WAVE + LANES], ny[WAVE + LANES], nz[WAVE + LANES];
-    alignas(64) int prim[WAVE + LANES];
+    alignas(64) float nx[WAVE + PACKET], ny[WAVE + PACKET], nz[WAVE + PACKET];
+    alignas(64) int prim[WAVE + PACKET];
     // Shadow rays, packed: whose, and what they carry.
-    alignas(64) int owner[WAVE + LANES];
-    alignas(64) float cr[WAVE + LANES], cg[WAVE + LANES], cb[WAVE + LANES];
+    alignas(64) int owner[WAVE + PACKET];
+    alignas(64) float cr[WAVE + PACKET], cg[WAVE + PACKET], cb[WAVE + PACKET];
     int shadows = 0, alive = 0;
 };
 
