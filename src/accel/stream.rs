@@ -24,8 +24,8 @@ use core::hint::select_unpredictable;
 struct Walk<'a, B> {
     tree: &'a Tree<B>,
     stacks: &'a mut Stacks,
-    /// [`Flight::top`], of which this is a copy, beside the lists and not among what is stored to: else each step would wait for
-    /// the last one's stores.
+    /// [`Flight::top`], of which this is a copy: where steps are inlined, each would wait for the last one's stores through a
+    /// reference.
     top: [u32; RAYS],
     lists: &'a mut Lists,
     chosen: &'a mut Chosen,
