@@ -18,6 +18,13 @@ pub(super) const PIXELS: usize = (REUSE_SIDE * REUSE_SIDE) as usize;
 /// Tells the keys of choices from those of paths.
 const SALT: u64 = 0x7265_7573_655f_6b65;
 
+/// Column and row in a block of its `k`-th pixel. Each eight fill 4×2 pixels and each sixteen 4×4, so that the segments of a packet
+/// stay together; every other sixteen lie cornerwise, to stand for all (see [`spread`]).
+fn place(k: u32) -> (u32, u32) {
+    let (column, row, quarter) = (k & 1 | k >> 1 & 2, k >> 1 & 1 | k >> 2 & 2, k >> 4);
+    (column + 4 * ((quarter ^ quarter >> 1) & 1), row + 4 * (quarter >> 1))
+}
+
 /// Gives every pixel of a job its part of what the paths of its group found: blocks of pixels, at the same sample.
 #[inline(never)]
 pub fn connect<R: Real, S: Shade, P: Probe>(
@@ -40,7 +47,9 @@ pub fn connect<R: Real, S: Shade, P: Probe>(
             for sample in 0..job.samples {
                 let slot = |x: u32, y: u32| ((y - job.y) * job.width + x - job.x) * job.samples + sample;
                 slots.clear();
-                slots.extend(rows.clone().flat_map(|y| columns.clone().map(move |x| slot(x, y))));
+                let inside = |&(x, y): &(u32, u32)| columns.contains(&x) && rows.contains(&y);
+                let pixels = (0..PIXELS as u32).map(place).map(|(column, row)| (x + column, y + row));
+                slots.extend(pixels.filter(inside).map(|(x, y)| slot(x, y)));
                 let key = sample_key(world.seed ^ SALT, pixel, job.first_sample + sample);
                 group.begin(&slots, &out.shared);
                 finds::collect(&slots, &out.shared, &mut out.rgb, &mut group.finds);
