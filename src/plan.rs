@@ -114,7 +114,9 @@ pub struct Plan {
     pub coated: bool,
     /// Are there spheres?
     pub spheres: bool,
-    /// Do triangles have normals of their own, or images of them?
+    /// Do vertices of triangles have normals of their own?
+    pub vertex_normals: bool,
+    /// Are there normals that are not those of the geometry, of vertices or of images?
     pub shading_normals: bool,
     /// Does light come from outside?
     pub environment: bool,

@@ -47,8 +47,9 @@ struct Lobe<R> {
 }
 
 impl<R: Real> Coated<R> {
+    /// Lanes whose coat reflects in one direction alone.
     #[inline(always)]
-    fn smooth(&self) -> R::Mask {
+    pub fn delta(&self) -> R::Mask {
         self.alpha.lt(R::splat(ALPHA_MIN))
     }
 
@@ -85,7 +86,7 @@ impl<R: Real> Model<R> for Coated<R> {
         let h2 = h.length_squared();
         let quarter_density = R::splat(0.25) * ggx.density(h, h2);
         let (f, _) = seen.coat.fresnel(R::splat(0.5) * h2.sqrt());
-        let rough = !self.smooth();
+        let rough = !self.delta();
         let lobe = Lobe {
             value: (f * (quarter_density * ggx.g2_over_cos(o, i))).masked(rough),
             pdf: (quarter_density * ggx.g1_over_cos(o)).masked(rough),
@@ -97,7 +98,7 @@ impl<R: Real> Model<R> for Coated<R> {
     #[inline(always)]
     fn sample(&self, wo: Vec3<R>, u_lobe: R, u: [R; 2]) -> Sample<R> {
         let ggx = Ggx { alpha: self.alpha, separable: self.separable };
-        let smooth = self.smooth();
+        let smooth = self.delta();
         let above = mirrored_z(wo, wo.z);
         let o = ggx.project(above);
         let seen = self.seen(o.cos);

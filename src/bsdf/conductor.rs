@@ -64,8 +64,9 @@ impl<R: Real> ConductorFresnel<R> {
 }
 
 impl<R: Real> Conductor<R> {
+    /// Lanes that scatter in one direction alone.
     #[inline(always)]
-    fn delta(&self) -> R::Mask {
+    pub fn delta(&self) -> R::Mask {
         self.alpha.lt(R::splat(ALPHA_MIN))
     }
 }

@@ -25,8 +25,9 @@ pub struct Dielectric<R: Real> {
 pub const LOBE_MIN: f32 = ALPHA_MIN / 16.0;
 
 impl<R: Real> Dielectric<R> {
+    /// Lanes that scatter in one direction alone (of a dielectric: two).
     #[inline(always)]
-    fn delta(&self) -> R::Mask {
+    pub fn delta(&self) -> R::Mask {
         let bend = self.alpha * (self.ior - R::one()).abs();
         self.alpha.lt(R::splat(ALPHA_MIN)) | bend.lt(R::splat(LOBE_MIN))
     }

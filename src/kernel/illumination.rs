@@ -59,8 +59,8 @@ impl PixelPoint {
             return Err("shows no surface");
         }
         let surface = Surface::at(world, &ray, &hit, true);
-        if surface.material.is_delta::<AllModels>() {
-            return Err("shows a smooth mirror or glass, whose reflection no density but its own finds");
+        if surface.material.has_delta() {
+            return Err("shows a smooth mirror, glass or coat, whose reflection no density but its own finds");
         }
         Ok(Self { ray, hit })
     }

@@ -191,7 +191,7 @@ impl<R: Real> MaterialAt<R> {
         sample
     }
 
-    /// Lanes whose material scatters by a delta alone: light sampling cannot find its directions.
+    /// Lanes whose material scatters by a delta alone, as far as its roughness says: light sampling cannot find its directions.
     #[inline(always)]
     pub fn is_delta<S: ShadingKind>(&self) -> R::Mask {
         match S::SHADING {
@@ -201,6 +201,13 @@ impl<R: Real> MaterialAt<R> {
                 one_lobe & self.alpha.lt(R::splat(ALPHA_MIN))
             }
         }
+    }
+
+    /// Lanes some of whose light comes by a delta: no density but the material's own finds it.
+    pub fn has_delta(&self) -> R::Mask {
+        let of_one_lobe = (self.is(KIND_CONDUCTOR) & self.conductor().delta())
+            | (self.is(KIND_DIELECTRIC) & self.dielectric().delta());
+        of_one_lobe | (self.is(KIND_COATED) & self.coated().delta())
     }
 
     /// Multiplies the colours; a second beside the first is held to what the first leaves.

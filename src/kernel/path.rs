@@ -187,8 +187,8 @@ pub(super) fn same_side<R: Real>(a: R, b: R) -> R::Mask {
     (a.gt(R::zero()) & b.gt(R::zero())) | (a.lt(R::zero()) & b.lt(R::zero()))
 }
 
-/// Power heuristic for one sample of each technique, in the form that neither over- nor underflows: pdfs up to 1e30
-/// and infinity (a delta: weight 1) are fine.
+/// Power heuristic for one sample of each technique, in the form that neither over- nor underflows. Domain: `pdf` above 0, up to 1e30
+/// or infinite (a delta: weight 1); `other` from 0.
 #[inline(always)]
 pub fn mis_weight<R: Real>(pdf: R, other: R) -> R {
     let ratio = other / pdf;

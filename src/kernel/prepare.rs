@@ -78,7 +78,7 @@ impl World {
 
         let start = Instant::now();
         let tags = if plan.light_transport || plan.cutouts { tag_rows(scene, lights.as_ref()) } else { Rows::new(&[]) };
-        let normals = Rows::new(&if plan.shading_normals { normal_rows(scene) } else { Vec::new() });
+        let normals = Rows::new(&if plan.vertex_normals { normal_rows(scene) } else { Vec::new() });
         let texcoords = Rows::new(&if plan.texcoords { texcoord_rows(scene) } else { Vec::new() });
         let textures = TextureTable::new(if plan.textures || plan.cutouts || plan.patterned_lights {
             &scene.materials
@@ -213,7 +213,10 @@ fn extent(scale: f32, positions: &[[f32; 3]], spheres: &[([f32; 3], f32)]) -> Ex
 fn tag_rows(scene: &Scene, lights: Option<&Lights>) -> Rows<2> {
     let materials = scene.mesh.material.iter().copied().chain(scene.spheres.iter().map(|s| s.material));
     let light_row = |primitive: usize| lights.map_or(0.0, |lights| lights.emitter_pdf_row(primitive as u32));
-    Rows::new(&materials.enumerate().map(|(i, material)| [material as f32, light_row(i)]).collect::<Vec<_>>())
+    // One that no sample finds (its mean is 0, or next to nothing beside others') is told from what is dark.
+    let least = |material: u32| if scene.materials[material as usize].emits() { f32::MIN_POSITIVE } else { 0.0 };
+    let row = |(i, material)| [material as f32, light_row(i).max(least(material))];
+    Rows::new(&materials.enumerate().map(row).collect::<Vec<_>>())
 }
 
 fn difference(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {

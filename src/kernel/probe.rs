@@ -148,14 +148,16 @@ pub struct Record {
 pub struct Recorder {
     /// Indexed by slot.
     pub records: Vec<Vec<Record>>,
-    /// Disturbs this stage's values, at bounce 0 of every sample whose slot is divisible by 7.
+    /// Disturbs the first value of this stage of every sample whose slot is divisible by 7.
     pub fault: Option<Stage>,
+    /// Values that were.
+    pub faults: u64,
 }
 
 impl Recorder {
     /// A recorder for slots `0..slots`.
     pub fn new(slots: usize, fault: Option<Stage>) -> Self {
-        Self { records: vec![Vec::new(); slots], fault }
+        Self { records: vec![Vec::new(); slots], fault, faults: 0 }
     }
 }
 
@@ -177,14 +179,16 @@ impl Probe for Recorder {
             let slot = lanes.slot.lane(lane);
             let bounce = lanes.bounce.lane(lane) as u32;
             let mut bits = value.lane(lane).to_bits();
-            if self.fault == Some(stage) && bounce == 0 && slot.is_multiple_of(7) {
-                bits = disturbed(stage, bits);
-                value.set_lane(lane, f32::from_bits(bits));
-            }
             // What is shared has slots of its own behind those of the samples.
             let (count, slot) = (self.records.len(), slot as usize);
-            let for_all = slot >= count;
-            self.records[slot % count].push(Record { bounce, stage, lane: lane as u32, bits, for_all });
+            let (for_all, slot) = (slot >= count, slot % count);
+            let first = || self.records[slot].iter().all(|record| record.stage != stage);
+            if self.fault == Some(stage) && slot.is_multiple_of(7) && first() {
+                bits = disturbed(stage, bits);
+                value.set_lane(lane, f32::from_bits(bits));
+                self.faults += 1;
+            }
+            self.records[slot].push(Record { bounce, stage, lane: lane as u32, bits, for_all });
         }
         value
     }

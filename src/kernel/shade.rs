@@ -73,11 +73,18 @@ pub trait Shade: Sync {
         pdf
     }
 
-    /// Radiance along a direction that leaves the scene, and the density with which light sampling finds it.
+    /// Radiance of the scene's environment along a direction that leaves the scene, and the density with which light sampling finds
+    /// it there.
     #[inline(always)]
     fn escaped<R: Real>(&self, world: &World, direction: Vec3<R>) -> (Vec3<R>, R) {
         let lights = world.lights.as_ref().filter(|_| world.plan.environment);
         lights.map_or((Vec3::zero(), R::zero()), |lights| lights.environment(direction))
+    }
+
+    /// The same of the light that the scene does not know.
+    #[inline(always)]
+    fn escaped_to_own<R: Real>(&self, _world: &World, _direction: Vec3<R>) -> (Vec3<R>, R) {
+        (Vec3::zero(), R::zero())
     }
 }
 

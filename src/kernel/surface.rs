@@ -24,7 +24,8 @@ pub struct Surface<R: Real> {
     pub material: MaterialAt<R>,
     /// Lanes that hit a sphere.
     pub on_sphere: R::Mask,
-    /// What light sampling keeps of this primitive: see [`Lights::emitter_pdf_row`](crate::light::Lights::emitter_pdf_row).
+    /// What light sampling keeps of this primitive: see [`Lights::emitter_pdf_row`](crate::light::Lights::emitter_pdf_row). Above 0
+    /// where it emits.
     pub light_row: R,
 }
 
@@ -47,7 +48,7 @@ impl<R: Real> Surface<R> {
             on_sphere,
             light_row: R::zero(),
         };
-        if world.plan.shading_normals {
+        if world.plan.vertex_normals {
             surface.interpolate_normal(world, hit, on_triangle);
         }
         if on_sphere.any() {

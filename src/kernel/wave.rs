@@ -216,7 +216,12 @@ impl<'a, R: Real, S: Shade, P: Probe> Wave<'a, R, S, P> {
         let ([dx, dy, dz, bx, by, bz, bsdf_pdf, slot, bounce], active) = self.missed.packet(0);
         let lanes = Lanes { slot: slot.to_bits(), bounce, active };
         let (radiance, pdf) = self.shade.escaped(self.world, Vec3::new(dx, dy, dz));
-        let contribution = Vec3::new(bx, by, bz).hadamard(radiance) * mis_weight(bsdf_pdf, pdf);
+        let mut contribution = Vec3::new(bx, by, bz).hadamard(radiance) * mis_weight(bsdf_pdf, pdf);
+        if S::OWN_LIGHT {
+            // A light sample is of one of the two, and is weighed by its density there.
+            let (radiance, pdf) = self.shade.escaped_to_own(self.world, Vec3::new(dx, dy, dz));
+            contribution = contribution + Vec3::new(bx, by, bz).hadamard(radiance) * mis_weight(bsdf_pdf, pdf);
+        }
         let contribution = self.probe.tap_rgb(Stage::Emission, lanes, contribution);
         self.out.add(lanes.slot, contribution, active);
         if P::ACTIVE {

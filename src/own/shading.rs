@@ -189,12 +189,13 @@ impl<B: Bsdf, L: Light> Shade for Own<B, L> {
 
     #[inline(always)]
     fn escaped<R: Real>(&self, world: &World, direction: Vec3<R>) -> (Vec3<R>, R) {
-        let lights = world.lights.as_ref().filter(|_| world.plan.environment);
-        let (radiance, pdf) = lights.map_or((Vec3::zero(), R::zero()), |lights| lights.environment(direction));
-        if !L::SHINES {
-            return (radiance, pdf);
-        }
-        let (own, own_pdf) = self.light.outside(direction);
-        (radiance + own, own_pdf.mul_add(R::splat(Self::share(world)), self.shared(world, pdf)))
+        let (radiance, pdf) = Shade::escaped(&AllModels, world, direction);
+        (radiance, self.shared(world, pdf))
+    }
+
+    #[inline(always)]
+    fn escaped_to_own<R: Real>(&self, world: &World, direction: Vec3<R>) -> (Vec3<R>, R) {
+        let (radiance, pdf) = self.light.outside(direction);
+        (radiance, pdf * R::splat(Self::share(world)))
     }
 }

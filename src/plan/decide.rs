@@ -45,12 +45,16 @@ impl Plan {
 
         let sphere_count = scene.spheres.len();
         let spheres = decide("spheres", sphere_count > 0 || on(Feature::Spheres), format!("{sphere_count} spheres"));
+        let images = Images::of(scene, &used);
         let smooth = scene.mesh.normal_indices.iter().filter(|n| n[0] != NO_NORMAL).count();
-        let shading_normals = decide(
-            "shading normals",
+        let vertex_normals = decide(
+            "vertex normals",
             smooth > 0,
             format!("{smooth} of {} triangles are smooth", scene.mesh.triangles.len()),
         );
+        let bent = if light_transport { images.bent } else { 0 };
+        let why = format!("{bent} of {} used materials have images of them", used.len());
+        let shading_normals = decide("shading normals", vertex_normals || bent > 0, why);
         let (lit, why) = match &scene.environment {
             None => (false, "none in the scene".to_string()),
             Some(Environment::Constant(c)) => (c.iter().any(|&x| x > 0.0), format!("constant {c:?}")),
@@ -83,14 +87,17 @@ impl Plan {
         let light_paths = decide("paths from the lights", wanted, why);
         let last_by_lights = decide(
             "last vertex by lights",
-            by_path && lamps > 0 && lamps <= FEW_EMITTERS && !lit && !light_paths,
-            format!("{lamps} primitives emit, {FEW_EMITTERS} are few; the rest of the light counts against it"),
+            by_path && lamps > 0 && lamps <= FEW_EMITTERS && !lit && !light_paths && images.patterned == 0,
+            format!(
+                "{lamps} primitives emit, {FEW_EMITTERS} are few; the rest of the light and {} patterned ones, which may hide \
+                 from the choice of lights, count against it",
+                images.patterned
+            ),
         );
         let (possible, why) = super::path_reuse::decide(scene, used.iter().map(|&m| &scene.materials[m]), light_paths);
         let path_reuse = decide("path reuse", possible, why);
         let radius = scene.camera.lens_radius;
         let lens = decide("lens", radius > 0.0, format!("its radius is {radius}"));
-        let images = Images::of(scene, &used);
         let textures = decide(
             "textures",
             light_transport && (images.shading > 0 || forced(Feature::Textures)),
@@ -133,6 +140,7 @@ impl Plan {
             phong,
             coated,
             spheres,
+            vertex_normals,
             shading_normals,
             environment,
             compensated_sky,
@@ -160,6 +168,7 @@ struct Images {
     shading: usize,
     cut_out: usize,
     patterned: usize,
+    bent: usize,
 }
 
 impl Images {
@@ -169,6 +178,7 @@ impl Images {
             shading: count(|m| m.maps.shade()),
             cut_out: count(Material::is_cut_out),
             patterned: count(Material::is_patterned),
+            bent: count(|m| m.maps.normal.is_some()),
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::renders::{Set, world};
 use crate::stats::z_bound;
 use octolux::estimate::problems::{Problem, illumination};
 use octolux::kernel::Width;
-use octolux::scene::Bsdf;
+use octolux::scene::{Bsdf, Masking};
 
 const ALL: [&str; 6] = ["mc:uniform", "mc:cosine", "mc:bsdf", "mc:light", "mc:mis", "owen:mis"];
 
@@ -70,4 +70,17 @@ fn widths_agree() {
     };
     let one = bits(Width::One);
     assert!(one == bits(Width::Eight) && one == bits(Width::Sixteen));
+}
+
+/// What no density but the material's own finds would be missing from four of the techniques.
+#[test]
+fn surfaces_with_a_delta_are_refused() {
+    let refused = |bsdf: Bsdf| {
+        let problem = illumination(world(&sphere(bsdf).finish(), 1), "test", [7, 8], Width::Eight);
+        problem.err().is_some_and(|why| why.to_string().contains("no density but its own"))
+    };
+    let coated = |alpha: f32| Bsdf::Coated { reflectance: [0.5; 3], ior: 1.5, alpha, masking: Masking::Separable };
+    let glass = |ior: f32, alpha: f32| Bsdf::Dielectric { ior, alpha, masking: Masking::Separable };
+    assert!(refused(coated(0.0)) && refused(glass(1.5, 0.0)) && refused(glass(1.0, 0.3)));
+    assert!(!refused(coated(0.2)) && !refused(glass(1.5, 0.3)));
 }

@@ -85,6 +85,19 @@ fn an_own_sky_beside_a_scenes_lights_is_unbiased() {
     agree("sky", mean(&all, None::<&Own>), mean(&lamps, Some(&Own::new().light(EvenSky([0.5; 3])))));
 }
 
+/// Each of two skies is weighed by the density of its own samples: by that of both, a ninth of the light would be lost.
+#[test]
+fn an_own_sky_beside_a_scenes_sky_is_unbiased() {
+    let (dark, _) = table(8);
+    let with_sky = |radiance: [f32; 3]| {
+        let mut scene = dark.clone();
+        scene.environment(radiance);
+        scene
+    };
+    let own = mean(&with_sky([0.5; 3]), Some(&Own::new().light(EvenSky([0.5; 3]))));
+    agree("two skies", mean(&with_sky([1.0; 3]), None::<&Own>), own);
+}
+
 #[test]
 fn an_own_bulb_beside_a_scenes_lights_is_unbiased() {
     let (scene, _) = table(8);

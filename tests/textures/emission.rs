@@ -1,8 +1,8 @@
 //! Lamps with a pattern: the irradiance they give, against quadrature.
 
 use super::*;
-use crate::renders::{self, assert_image_mean};
-use octolux::scene::Sphere;
+use crate::renders::{self, assert_image_mean, image_mean};
+use octolux::scene::{Gather, GatherLights, GatherMethod, GatherPdf, IntegratorKind, Sphere};
 use std::f64::consts::{FRAC_1_PI, PI};
 
 const SEED: u64 = 32;
@@ -140,4 +140,32 @@ fn a_pattern_without_a_pattern() {
         (0..64).map(|i| film.mean(i % 8, i / 8)).collect::<Vec<_>>()
     };
     assert_eq!(render(true), render(false));
+}
+
+/// Bright texels between all points at which the lamp is looked at to be chosen: it counts for nothing beside another, and rays alone find
+/// it. They are sent also where light samples would do for the other lamp.
+#[test]
+fn a_lamp_that_hides_from_the_choice_of_lights() {
+    let mut set = receiver().integrator(IntegratorKind::Direct);
+    let (hidden, sun) = (set.grey(0.0, 1.0), set.grey(0.0, 3.0));
+    let mut dots = image(64, 64, |x, y| if (x, y) == (0, 0) { [4096.0; 3] } else { [0.0; 3] });
+    dots.scale = [64.0; 2];
+    edit(&mut set, hidden).maps.emission = Some(dots);
+    let h = 0.2;
+    mapped_square(&mut set, hidden, h);
+    set.sphere(sun, [0.0, 3.0, 4.0], 0.5);
+    let scene = complete(set);
+    let even = quadrature(&image(1, 1, |_, _| [1.0; 3]), h);
+    let expected = even.map(|e| e + 3.0 * (0.5f64 / 5.0).powi(2) * 0.8);
+    let gathered = Gather { samples: 64, ..Gather::default() };
+    let gathered =
+        Gather { method: GatherMethod::McIs, lights: GatherLights::Seen, pdf: GatherPdf::Cosine, ..gathered };
+    for kind in [IntegratorKind::Direct, IntegratorKind::Gather] {
+        let mut scene = scene.clone();
+        (scene.integrator.kind, scene.integrator.gather) = (kind, gathered);
+        let samples = if kind == IntegratorKind::Gather { SAMPLES / 64 } else { SAMPLES };
+        let film = renders::film(&renders::world(&scene, SEED), samples);
+        assert_image_mean(&format!("hidden lamp, {kind:?}"), &film, expected, 0.01 * expected[0], TESTS);
+        assert!(image_mean(&film)[0].std_error < 0.1 * expected[0], "too noisy to tell");
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::renders::{self, assert_image_mean, image_mean};
-use octolux::scene::Scene;
+use octolux::scene::{NO_NORMAL, Scene};
 
 const SEED: u64 = 33;
 
@@ -88,4 +88,35 @@ fn no_energy_is_made() {
             assert!(mean <= 1.0 + bound * variance.sqrt() + 1e-5, "{name}, pixel {x}, {y}: {mean}");
         }
     }
+}
+
+/// Light that grazes the geometry fades (the shadow terminator; its formula worked out here), and what else is in the scene has no part
+/// in that.
+#[test]
+fn images_of_normals_soften_as_those_of_vertices_do() {
+    let tilt = 30f64.to_radians().sin_cos();
+    let normal = [tilt.0, 0.0, tilt.1];
+    let to_lamp = [0.995, 0.0, (1.0f64 - 0.995 * 0.995).sqrt()];
+    let alone = lit_square(Some(texel(normal)), to_lamp, [0.0, 0.0, 5.0]);
+    let cos = normal[0] * to_lamp[0] + normal[2] * to_lamp[2];
+    let g = to_lamp[2] / (cos * normal[2]);
+    let expected = 0.01 * cos * (g + g * g - g * g * g);
+    let film = renders::film(&renders::world(&alone, SEED), 64);
+    assert_image_mean("grazing light", &film, [expected; 3], 2e-5, TESTS);
+
+    let mut beside = alone.clone();
+    let mesh = &mut beside.mesh;
+    let first = mesh.positions.len() as u32;
+    mesh.positions.extend([[0.0, 0.0, -3.0], [1.0, 0.0, -3.0], [0.0, 1.0, -3.0]]);
+    mesh.triangles.push([first, first + 1, first + 2]);
+    mesh.material.push(0);
+    mesh.texcoord_indices.push([NO_TEXCOORD; 3]);
+    mesh.normals = vec![[0.6, 0.0, 0.8]];
+    mesh.normal_indices = vec![[NO_NORMAL; 3]; mesh.triangles.len() - 1];
+    mesh.normal_indices.push([0; 3]);
+    crate::equivalence::assert_same(
+        "a smooth triangle below",
+        &film,
+        &renders::film(&renders::world(&beside, SEED), 64),
+    );
 }

@@ -181,7 +181,6 @@ fn seen<R: Real>(world: &World, vertex: &Vertex<R>, first: usize, ray: &Ray<R>, 
     };
     let missed = hit.primitive.eq(R::Bits::splat(MISS)) & active;
     let found = active & !missed;
-    // Only what can be sampled emits: the rest has no area.
     let [_, light_row] = world.tags.fetch::<R>(hit.primitive, found);
     let emitting = found & light_row.gt(R::zero());
     let mut radiance = world.background(ray.direction, missed);

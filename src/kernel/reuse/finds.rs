@@ -43,7 +43,7 @@ pub fn collect(slots: &[u32], shared: &Shared, rgb: &mut [[f32; 3]], finds: &mut
             let factor = lobe.map_or(1.0, |lobe| f64::from(shared.lobes[lobe.row][place::FACTOR]));
             let worth = brightness(found) * albedo * factor;
             if !worth.is_finite() {
-                rgb[slot] = found;
+                rgb[slot] = [f32::NAN; 3];
             } else if worth > 0.0 {
                 finds.push(Find { slot: slot as u32, lobe, found, worth, plain: false });
             }

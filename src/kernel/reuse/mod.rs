@@ -16,8 +16,8 @@
 //! - At other y_j its light sample, with the BSDF towards each x_i; and what the path finds beyond its next vertex z_j, which
 //!   counts as sampled from all (x_k, y_j) by their BSDFs.
 //!
-//! Emission found by a BSDF's sample stays with the path that found it, as its share of the light (the other is that of
-//! the light sample). So do paths that meet a delta. Errors of the pixels of a group are correlated.
+//! Emission of y_j itself, and of a z_j met by way of a lobe, stays with the path that found it, as its share of the light (the
+//! other is that of the light sample). So do paths that meet a delta. Errors of the pixels of a group are correlated.
 
 mod connect;
 mod finds;

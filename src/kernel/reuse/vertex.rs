@@ -20,7 +20,7 @@ pub fn keep_first<R: Real>(
     out: &mut SampleBuffer,
 ) {
     let albedo = surface.material.albedo();
-    // A black surface sends no path on: it stands beside no other.
+    // A black surface sends no path on: it stands beside no other. A coat on black is taken for one.
     let first = scatters & paths.bounce.eq(R::zero()) & R::splat(max_bounces).gt(R::one());
     let first = first & surface.material.gathers() & albedo.max_component().gt(R::zero());
     if first.none() {
