@@ -25,6 +25,20 @@ pub fn tell(text: std::fmt::Arguments) {
     let _ = std::io::stderr().write_fmt(text);
 }
 
+/// The command line that this process was given, quoted where a shell needs it.
+pub fn command_line() -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+".contains(c);
+    let quoted = |word: std::ffi::OsString| {
+        let word = word.to_string_lossy();
+        match !word.is_empty() && word.chars().all(plain) {
+            true => word.into_owned(),
+            false => format!("'{}'", word.replace('\'', "'\\''")),
+        }
+    };
+    let words = std::env::args_os().skip(1).map(quoted);
+    std::iter::once("octolux".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}
+
 /// Age from /proc: start time in clock ticks since boot (field 22 of stat), and the uptime. Linux counts 100 ticks a
 /// second for user space on every architecture it runs on.
 fn process_age() -> Option<f64> {

@@ -157,7 +157,7 @@ fn test_packet<R: Real>(
 /// Does (t, primitive) beat the best so far?
 #[inline(always)]
 pub fn better<R: Real>(t: R, primitive: R::Bits, best_t: R, best_primitive: R::Bits) -> R::Mask {
-    // Primitives are below 2²⁹: as signed differences they compare right, and none is below MISS.
+    // Primitives are few enough (MOST_PRIMITIVES): as signed differences they compare right, and none is below MISS.
     let lower = !(primitive - best_primitive).shr::<31>().eq(R::Bits::splat(0));
     t.lt(best_t) | t.eq(best_t) & lower
 }

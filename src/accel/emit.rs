@@ -9,7 +9,7 @@ use crate::geometry::Bounds;
 use rayon::prelude::*;
 
 /// Below this many nodes of the longest way down the optimal choice gives way to balanced halving, so that no input
-/// (a binary tree can be a list) makes a tree deeper than [`MAX_DEPTH`]: what is left, at most 2²⁸ primitives, is
+/// (a binary tree can be a list) makes a tree deeper than [`MAX_DEPTH`]: what is left, fewer than 2²⁸ primitives, is
 /// divided by eight at each further node, nine times until a block holds it.
 const FREE_DEPTH: usize = MAX_DEPTH - 11;
 

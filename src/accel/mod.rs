@@ -31,7 +31,7 @@ mod stream;
 mod tree;
 mod visits;
 
-use crate::geometry::{Bounds, Hit, Ray, RaySetup};
+use crate::geometry::{Bounds, Hit, MOST_PRIMITIVES, Ray, RaySetup};
 use crate::lane::Real;
 use block::TriangleBlock;
 use brute::SphereList;
@@ -100,7 +100,7 @@ impl Accel {
     /// Arranges what `options` ask for. `triangles` index `positions`; `spheres` are (centre, radius).
     ///
     /// Everything is finite, largest |coordinate| below 2 (or the margins of [`geometry`](crate::geometry) do not
-    /// hold). Panics if an index is past the end of `positions`, or at 2²⁸ primitives.
+    /// hold). Panics if an index is past the end of `positions`, or beyond [`MOST_PRIMITIVES`].
     pub fn build(
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
@@ -108,7 +108,7 @@ impl Accel {
         options: BuildOptions,
     ) -> Self {
         let start = Instant::now();
-        assert!(triangles.len() + spheres.len() < 1 << 28, "more primitives than child words can name");
+        assert!(triangles.len() + spheres.len() <= MOST_PRIMITIVES, "more primitives than child words can name");
         let vertices = |i: usize| triangles[i].map(|k| positions[k as usize]);
         let first_sphere = triangles.len() as u32;
         let mut accel = Self { has_trees: options.trees, ..Self::default() };

@@ -23,6 +23,8 @@ pub struct StageReport {
     pub values: u64,
     pub samples: u64,
     pub differing_samples: u64,
+    /// Values that were disturbed on purpose.
+    pub faults: u64,
     pub first: Option<Difference>,
 }
 
@@ -54,6 +56,7 @@ pub fn compare_stages(
             let reference = record_tile(expected, &job, Width::One, None);
             for &lanes in widths {
                 let other = record_tile(found, &job, lanes, fault);
+                report.faults += other.faults;
                 compare_tile(&job, lanes, &reference, &other, &mut report);
             }
         }

@@ -2,7 +2,7 @@
 
 use super::CliError;
 use super::scene_args::{SceneArgs, parse_lanes};
-use super::targets::check_apart;
+use super::targets::{check_apart, check_folders};
 use crate::film::beside::write_beside;
 use crate::kernel::{Width, World};
 use crate::plan::{Feature, Force, GeometryMode, Plan};
@@ -26,13 +26,13 @@ pub struct BenchArgs {
     #[arg(long, value_delimiter = ',', value_parser = parse_lanes)]
     lanes: Vec<Width>,
     /// Thread counts to measure; threads are pinned to cores
-    #[arg(long, value_delimiter = ',', default_value = "1,2")]
-    threads: Vec<usize>,
+    #[arg(long, value_delimiter = ',', default_value = "1,2", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Vec<u16>,
     /// Windows of each setting; the median is reported
     #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u16).range(1..=1000))]
     windows: u16,
     /// Seconds a window lasts at least
-    #[arg(long, default_value_t = 0.3)]
+    #[arg(long, default_value_t = 0.3, value_parser = window_seconds)]
     seconds: f64,
     /// Measure the general kernel
     #[arg(long)]
@@ -49,6 +49,13 @@ pub struct BenchArgs {
     json: Option<PathBuf>,
 }
 
+fn window_seconds(text: &str) -> Result<f64, String> {
+    super::render::positive(text)
+        .ok()
+        .filter(|&s| s <= 3600.0)
+        .ok_or_else(|| "must be above 0, and an hour at most".into())
+}
+
 #[derive(clap::Subcommand)]
 enum BenchWhat {
     /// Rays per second on the .tri and .rays files of DATA/NAME
@@ -63,6 +70,7 @@ enum BenchWhat {
 
 pub fn run(args: &BenchArgs) -> Result<bool, CliError> {
     if let Some(BenchWhat::Rays { args, json }) = &args.what {
+        check_report(json.as_deref(), args.files().iter().map(PathBuf::as_path))?;
         print_report(&bench_rays(args)?, json.as_deref())?;
         return Ok(true);
     }
@@ -74,13 +82,13 @@ pub fn run(args: &BenchArgs) -> Result<bool, CliError> {
     }
     let force = Force { general: args.general, geometry: None };
     let (scene, world, _): (_, World, _) = scene_args.world(force, false, args.quiet)?;
-    check_apart(args.json.as_deref(), scene.files.iter().map(PathBuf::as_path))?;
+    check_report(args.json.as_deref(), scene.files.iter().map(PathBuf::as_path))?;
     let _phase = Phase::begin("measuring", args.quiet);
     let lanes = if args.lanes.is_empty() { vec![Width::native()] } else { args.lanes.clone() };
     let bench = SceneBench {
         name: scene.name,
         lanes,
-        threads: args.threads.clone(),
+        threads: args.threads.iter().map(|&n| n.into()).collect(),
         windows: args.windows,
         seconds: args.seconds,
     };
@@ -89,11 +97,18 @@ pub fn run(args: &BenchArgs) -> Result<bool, CliError> {
     Ok(true)
 }
 
+/// Before anything is measured: the report can be written, and not over what is read.
+fn check_report<'a>(json: Option<&'a Path>, read: impl IntoIterator<Item = &'a Path>) -> Result<(), CliError> {
+    let json = json.filter(|path| *path != Path::new("-"));
+    check_folders(json)?;
+    check_apart(json, read)
+}
+
 /// Every world that differs from the planned one in one decision, against it.
 fn ablate(args: &BenchArgs, scene_args: &SceneArgs) -> Result<bool, CliError> {
     let phase = Phase::begin("reading the scene", args.quiet);
     let scene = scene_args.load()?;
-    check_apart(args.json.as_deref(), scene.files.iter().map(PathBuf::as_path))?;
+    check_report(args.json.as_deref(), scene.files.iter().map(PathBuf::as_path))?;
     drop(phase);
     let phase = Phase::begin("building trees and tables", args.quiet);
     let prepare = |plan| scene_args.prepare_plan(&scene, plan);
@@ -120,7 +135,7 @@ fn ablate(args: &BenchArgs, scene_args: &SceneArgs) -> Result<bool, CliError> {
     let bench = AblationBench {
         name: scene.name.clone(),
         lanes: args.lanes.first().copied().unwrap_or(Width::native()),
-        threads: args.threads.first().copied().unwrap_or(1),
+        threads: args.threads.first().map_or(1, |&n| n.into()),
         windows: args.windows,
         seconds: args.seconds,
     };

@@ -46,6 +46,8 @@ struct Report {
     images: Vec<ImageCase>,
     stages: Vec<(String, StageReport)>,
     equal: bool,
+    #[serde(skip)]
+    integrator_options: String,
 }
 
 pub fn run(args: &CheckArgs) -> Result<bool, CliError> {
@@ -79,6 +81,12 @@ pub fn run(args: &CheckArgs) -> Result<bool, CliError> {
         }
     }
     drop(phase);
+    if let Some(stage) = args.inject_fault.filter(|_| stages.iter().all(|(_, s)| s.faults == 0)) {
+        let stage = stage.name();
+        return Err(CliError::Usage(format!(
+            "--inject-fault {stage}: paths of this scene have no such value; take another"
+        )));
+    }
     let phase = Phase::begin("comparing images", args.quiet);
     let images = match args.inject_fault {
         // A fault lives in the recording kernels; images would not show it.
@@ -87,7 +95,9 @@ pub fn run(args: &CheckArgs) -> Result<bool, CliError> {
     };
     drop(phase);
     let equal = stages.iter().all(|(_, s)| s.first.is_none()) && images.iter().all(|c| c.difference.is_none());
-    let report = Report { scene: scene.name.clone(), samples_per_pixel: args.spp, images, stages, equal };
+    let integrator_options = scene.integrator.options();
+    let report =
+        Report { scene: scene.name.clone(), samples_per_pixel: args.spp, images, stages, equal, integrator_options };
     if args.json {
         println!("{}", serde_json::to_string_pretty(&report).map_err(|e| CliError::Usage(e.to_string()))?);
     } else {
@@ -137,12 +147,10 @@ fn print_difference(d: &Difference, report: &Report, args: &SceneArgs) {
         value(d.expected_bits)
     );
     let size = args.size.map_or(String::new(), |s| format!(" --size {}x{}", s.width, s.height));
-    let light_paths = args.light_paths.map_or(String::new(), |l| format!(" --light-paths {}", l.name()));
-    let reuse = args.path_reuse.map_or(String::new(), |p| format!(" --path-reuse {}", p.name()));
     let mode = args.mode.map_or(String::new(), |m| format!(" --mode {}", m.name()));
-    let roulette = args.roulette.map_or(String::new(), |r| format!(" --roulette {r}"));
+    let integrator = &report.integrator_options;
     println!(
-        "  replay: octolux replay {} --bits --pixel {},{} --sample {} --seed {} --sampler {}{size}{light_paths}{reuse}{roulette}{mode}",
+        "  replay: octolux replay {} --bits --pixel {},{} --sample {} --seed {} --sampler {}{size}{integrator}{mode}",
         report.scene,
         d.x,
         d.y,

@@ -2,6 +2,7 @@
 
 use super::CliError;
 use super::variants::{self, VariantArgs};
+use crate::process::command_line;
 use crate::render::{budget::MAX_SAMPLES, interrupt};
 use crate::report::converge::{self, Budget, ConvergeReport, Plan, Variant};
 use std::path::PathBuf;
@@ -90,7 +91,7 @@ fn plan(args: &ConvergeArgs) -> Result<Plan, CliError> {
         resume: args.resume,
         exposure: args.exposure,
         quiet: args.quiet,
-        command: command(),
+        command: command_line(),
     })
 }
 
@@ -114,17 +115,6 @@ fn budgets(args: &ConvergeArgs) -> Vec<Budget> {
     spp.sort_unstable();
     spp.dedup();
     spp.into_iter().map(Budget::Samples).collect()
-}
-
-/// What was typed, quoted where a shell needs it.
-fn command() -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+".contains(c);
-    let quoted = |word: String| match !word.is_empty() && word.chars().all(plain) {
-        true => word,
-        false => format!("'{}'", word.replace('\'', "'\\''")),
-    };
-    let words = std::env::args().skip(1).map(quoted);
-    std::iter::once("octolux".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
 /// The rows as a person reads them.

@@ -26,6 +26,8 @@ pub enum CliError {
     Threads(#[from] rayon::ThreadPoolBuildError),
     #[error("interrupted before every pixel had a sample; nothing was written")]
     Interrupted,
+    #[error("interrupted before the first rung of the ladder was done; nothing was written")]
+    InterruptedLadder,
     #[error("{0}")]
     Usage(String),
 }

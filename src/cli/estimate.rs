@@ -13,6 +13,7 @@ use crate::estimate::table::csv;
 use crate::film::beside::{check_writable, write_beside};
 use crate::kernel::{Prepare, Width, World};
 use crate::plan::{Force, Plan};
+use crate::process::command_line;
 use crate::render::interrupt;
 use crate::scene::{EnvironmentImage, Scene};
 use std::path::{Path, PathBuf};
@@ -77,7 +78,7 @@ pub fn run(args: &EstimateArgs) -> Result<bool, CliError> {
     interrupt::listen();
     let threads = args.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-    let study = pool.install(|| run_study(problem.quantity(), &methods, &budget, &|| interrupt::presses() > 0));
+    let study = pool.install(|| run_study(problem.quantity(), &methods, &budget, &|| interrupt::asked()));
     output(args, &*problem, &study)?;
     Ok(true)
 }
@@ -123,7 +124,7 @@ fn show(args: &EstimateArgs, demonstration: &Demonstration) -> Result<(), CliErr
     if let Some(folder) = &args.output {
         write(&folder.join("study.json"), &json)?;
         write(&folder.join("tables.csv"), &demonstration.csv())?;
-        write(&folder.join("report.html"), &demonstration.page(&command()).html())?;
+        write(&folder.join("report.html"), &demonstration.page(&command_line()).html())?;
         for (name, plot) in plots() {
             write(&folder.join(plot_file(name)), &plot.svg_file())?;
         }
@@ -159,11 +160,6 @@ fn check_folder(args: &EstimateArgs, names: impl Iterator<Item = String>) -> Res
         ))),
         None => Ok(()),
     }
-}
-
-/// The command line that was given, for the report.
-fn command() -> String {
-    std::iter::once("octolux".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" ")
 }
 
 /// The scene of the problem, if it is of one.
@@ -240,7 +236,7 @@ fn output(args: &EstimateArgs, problem: &dyn Problem, study: &Study) -> Result<(
     if let Some(folder) = &args.output {
         write(&folder.join("study.json"), &json)?;
         write(&folder.join("errors.csv"), &csv(study))?;
-        write(&folder.join("report.html"), &page::page(study, &problem.notes(), &command()).html())?;
+        write(&folder.join("report.html"), &page::page(study, &problem.notes(), &command_line()).html())?;
         for (name, plot) in page::plots(study) {
             write(&folder.join(plot_file(name)), &plot.svg_file())?;
         }

@@ -42,12 +42,22 @@ impl<'a> Keeper<'a> {
         self.save(&outcome.film, &outcome.counters, outcome.render_seconds, outcome.stopped_by)
     }
 
+    /// What all of the samples were stopped by, where `now` has stopped those of this run.
+    pub fn stopped_by(&self, film: &Film, now: StoppedBy) -> StoppedBy {
+        match self.head.samples {
+            0 => now,
+            // Nothing was added: they stand as they did.
+            held if held == film.samples() => self.head.stopped_by,
+            _ => now.after(self.head.stopped_by),
+        }
+    }
+
     fn save(&mut self, film: &Film, counters: &Counters, seconds: f64, stopped_by: StoppedBy) -> Result<(), CliError> {
         let mut head = self.head.clone();
         head.rays.add(counters);
         head.render_seconds += seconds;
         head.samples = film.samples();
-        head.stopped_by = if self.head.samples > 0 { stopped_by.after(head.stopped_by) } else { stopped_by };
+        head.stopped_by = self.stopped_by(film, stopped_by);
         let saved = self.state.map_or(Ok(()), |path| State::save(&head, film, path));
         let facts = Facts {
             scene: head.scene,

@@ -15,7 +15,7 @@ pub struct LadderArgs {
     /// Make the PNG a sheet of the image at each of these samples per pixel, the error under each
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', requires = "png",
         value_parser = clap::value_parser!(u64).range(1..=render::budget::MAX_SAMPLES),
-        conflicts_with_all = ["spp", "time", "error", "samples", "state", "resume"])]
+        conflicts_with_all = ["spp", "time", "error", "unbiased", "samples", "state", "resume"])]
     ladder: Vec<u64>,
     /// With --ladder: measure the error against this image
     #[arg(long, value_name = "REF.exr", requires = "ladder")]
@@ -33,6 +33,12 @@ struct Rung {
 impl LadderArgs {
     pub fn is_asked_for(&self) -> bool {
         !self.ladder.is_empty()
+    }
+
+    /// What is rendered in all; nothing without a ladder.
+    pub fn budget(&self) -> Option<Budget> {
+        let samples = self.ladder.iter().max().copied();
+        samples.map(|_| Budget { samples, ..Budget::default() })
     }
 
     /// The image that errors are measured against.
@@ -95,8 +101,11 @@ impl LadderArgs {
         }
         // Clap lets no empty ladder through.
         let outcome = whole.ok_or_else(|| CliError::Usage("the ladder has no rungs; give --ladder 1,2,4".into()))?;
-        if let Some(path) = images.png.as_deref().filter(|_| !rungs.is_empty()) {
-            write(rungs, &outcome.film, path, pool)?;
+        match &images.png {
+            Some(path) if !rungs.is_empty() => write(rungs, &outcome.film, path, pool)?,
+            // Not one rung is whole, and there is no other image to keep what was rendered.
+            _ if images.output.is_none() => return Err(CliError::InterruptedLadder),
+            _ => {}
         }
         Ok(outcome)
     }

@@ -1,7 +1,7 @@
 //! `octolux merge`: states of parts of a render become one, bit for bit as if rendered on one machine.
 
 use super::CliError;
-use super::targets::{Facts, ImageArgs, check_apart, check_folders};
+use super::targets::{Facts, ImageArgs, check_apart, check_folders, same_file};
 use crate::render::{self, Phase, State};
 use std::path::{Path, PathBuf};
 
@@ -25,6 +25,13 @@ pub fn run(args: &MergeArgs) -> Result<bool, CliError> {
         return Err(CliError::Usage("nothing to write: give -o OUT.exr, --png OUT.png or --state OUT.state".into()));
     }
     check_folders(args.images.files().chain(args.state.as_deref()))?;
+    let is_part = |path: &Path| args.parts.iter().any(|part| same_file(part, path));
+    if let Some(path) = args.state.as_deref().filter(|path| path.is_file() && !is_part(path)) {
+        let path = path.display();
+        return Err(CliError::Usage(format!(
+            "{path}: exists, and is none of the parts; remove it, or name another file"
+        )));
+    }
     // What is merged may take the place of a part, an image may not.
     check_apart(args.images.files(), args.parts.iter().map(PathBuf::as_path))?;
     check_apart(args.images.files().chain(args.state.as_deref()), [])?;

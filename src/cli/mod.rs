@@ -111,15 +111,18 @@ fn printable(text: &str) -> String {
 const BROKEN_PIPE: i32 = 128 + 13;
 
 /// Where the reader of what is printed goes away (`| head`), the command ends without a word: Rust ignores the signal that would
-/// do that, and `print!` panics instead.
+/// do that, and `print!` panics instead. So it does where a disk is full, of which a line is said.
 fn end_with_the_reader() {
     let report = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        let is_of_printing = |text: &str| text.starts_with("failed printing to std") && text.contains("os error 32");
-        if panic.payload_as_str().is_some_and(is_of_printing) {
+        let Some(why) = panic.payload_as_str().and_then(|text| text.strip_prefix("failed printing to ")) else {
+            return report(panic);
+        };
+        if why.contains("os error 32") {
             std::process::exit(BROKEN_PIPE);
         }
-        report(panic);
+        crate::process::tell(format_args!("octolux: {why}; write where there is room\n"));
+        std::process::exit(2);
     }));
 }
 

@@ -116,7 +116,8 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
         let _phase = Phase::begin("rendering the pilot", args.quiet);
         times.pilot = choose_samples(&mut world, &mut options, &pool);
     }
-    let mut progress = if args.quiet { Progress::quiet() } else { Progress::new(options.budget) };
+    let mut progress =
+        if args.quiet { Progress::quiet() } else { Progress::new(args.ladder.budget().unwrap_or(options.budget)) };
     let held = film.samples();
     // A ladder's PNG is its sheet.
     let kept = ImageArgs { png: images.png.clone().filter(|_| !args.ladder.is_asked_for()), ..images.clone() };
@@ -127,14 +128,14 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     };
     progress.finish();
     let mut summary = Summary::new(&scene.name, &world, &options, threads, &outcome, times);
-    summary.resumed_samples = held;
+    summary.resumed(held, keeper.stopped_by(&outcome.film, outcome.stopped_by));
     // Pixels without a sample would be black.
     if outcome.film.samples() == 0 {
         return Err(CliError::Interrupted);
     }
     if args.adaptive && outcome.adaptive.is_none() {
         log::warn!(
-            "--adaptive: the budget is too small for a pilot (5 samples a pixel are enough); all pixels have as many"
+            "--adaptive: the budget is too small for a pilot (time for some five samples a pixel is enough); all pixels have as many"
         );
     }
     let start = Instant::now();
@@ -199,10 +200,10 @@ fn choose_samples(world: &mut World, options: &mut Options, pool: &rayon::Thread
     let Some(target) = options.budget.error.take() else { return 0.0 };
     let seed = world.seed;
     world.seed = seed ^ PILOT_SEED;
-    let pilot_options = Options {
-        budget: Budget { samples: Some(PILOT_SAMPLES), seconds: options.budget.seconds, error: None },
-        ..*options
-    };
+    // At most a quarter of the time that is left.
+    let now = crate::process::seconds_since_process_start();
+    let seconds = options.budget.seconds.map(|end| now + 0.25 * (end - now).max(0.0));
+    let pilot_options = Options { budget: Budget { samples: Some(PILOT_SAMPLES), seconds, error: None }, ..*options };
     let pilot = render::render(world, &pilot_options, pool, &mut Progress::quiet());
     world.seed = seed;
     let samples = pilot.film.samples() as f64;

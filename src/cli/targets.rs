@@ -19,8 +19,12 @@ pub struct ImageArgs {
     #[arg(long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
     /// Exposure of the PNG in stops
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
     pub exposure: f32,
+}
+
+fn stops(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|x: &f32| x.abs() <= 1000.0).ok_or_else(|| "must be a number from -1000 to 1000".into())
 }
 
 /// What an image's header says of its making.
@@ -70,8 +74,14 @@ pub fn check_apart<'a>(
     Ok(())
 }
 
+/// Do both name one file, be it there or not?
+pub fn same_file(a: &Path, b: &Path) -> bool {
+    place(a) == place(b)
+}
+
 /// The same for all names of a file.
 fn place(path: &Path) -> PathBuf {
+    let path = &film::beside::end_of_links(path);
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let new = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
     path.canonicalize().ok().or_else(new).unwrap_or_else(|| path.to_owned())

@@ -72,7 +72,9 @@ fn variant(name: String, flags: &str, scene: &Path, common: &[String]) -> Result
     let all = std::iter::once(scene.as_str()).chain(words.iter().copied());
     let first_line = |error: clap::Error| {
         let text = error.to_string();
-        fail(text.lines().next().unwrap_or("").trim_start_matches("error: ").to_owned())
+        // What is missing stands on lines of its own.
+        let lines = text.lines().take_while(|line| !line.is_empty()).map(str::trim);
+        fail(lines.collect::<Vec<_>>().join(" ").trim_start_matches("error: ").to_owned())
     };
     let matches = Flags::command().try_get_matches_from(all).map_err(first_line)?;
     let given = |id: &&&str| {

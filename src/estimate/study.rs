@@ -144,6 +144,9 @@ fn row(quantity: &Quantity, method: &Method, budget: &Budget, stop: &(dyn Fn() -
         (cell.seconds, cell.note) = (seconds, prepared.note);
         cells.push(cell);
     }
+    if cells.is_empty() && !stop() {
+        log::warn!("{}: has no estimate of as many samples as were asked for; it is left out", method.name);
+    }
     let fit = |x: fn(&Cell) -> f64| fit_power_law(&cells.iter().map(|c| (x(c), c.rmse)).collect::<Vec<_>>());
     let (slope, slope_in_time) = (fit(|c| c.samples as f64), fit(|c| c.seconds));
     Row { method: method.name.clone(), claim: method.claim, cells, slope, slope_in_time }

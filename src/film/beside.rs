@@ -41,7 +41,8 @@ const READ_ONLY: &str = "the file there is read-only; name another, or allow wri
 /// What a write would end with.
 pub fn check_writable(path: &Path) -> Result<(), FilmError> {
     let target = end_of_links(path);
-    let beside = match fs::metadata(&target) {
+    // By the name as it is: what /dev/stdout leads to may have a name in no folder.
+    let beside = match fs::metadata(path) {
         // A device or pipe: to open it may have effects of its own.
         Ok(meta) if !meta.is_file() => return Ok(()),
         Ok(meta) if meta.permissions().readonly() => return Err(FilmError::write(path, READ_ONLY)),
@@ -51,8 +52,13 @@ pub fn check_writable(path: &Path) -> Result<(), FilmError> {
     fs::remove_file(beside).map_err(|error| FilmError::write(path, error))
 }
 
+/// Is there something that can only be written to from the first byte to the last: a pipe, a terminal?
+pub(super) fn is_stream(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|meta| !meta.is_file())
+}
+
 /// Where a link leads, be there a file or not.
-fn end_of_links(path: &Path) -> PathBuf {
+pub(crate) fn end_of_links(path: &Path) -> PathBuf {
     // As many as Linux follows.
     const MOST_LINKS: usize = 40;
     let mut end = path.to_owned();

@@ -32,7 +32,9 @@ pub enum MergeError {
     Tiles,
     #[error("both hold the block of samples that starts at {first_sample}")]
     Overlap { first_sample: u64 },
-    #[error("a range that ends inside a block of 64 must be the last: block of sample {first_sample} is unfinished")]
+    #[error(
+        "one of the parts as far as this one ends inside a block of 64 and is not the last: the block of sample {first_sample} is unfinished"
+    )]
     UnfinishedBlock { first_sample: u64 },
 }
 

@@ -15,7 +15,7 @@ use exr::meta::header::{Header, LayerAttributes, standard_names};
 use exr::prelude::{Compression, SmallVec};
 use rayon::prelude::*;
 
-use super::beside::write_beside;
+use super::beside::{is_stream, write_beside};
 use super::error::FilmError;
 use super::metadata::{Attribute, NAME_PREFIX, VARIANCE_VALIDITY, VarianceValidity};
 use super::sheet::Film;
@@ -118,7 +118,15 @@ pub fn write_rows(
 ) -> Result<(), FilmError> {
     let header = header((width, height), sorted(names).iter().map(|&c| names[c]), attributes)
         .map_err(|why| FilmError::write(path, why))?;
-    write_beside(path, |file| encode(file, header, width, names, row))
+    write_beside(path, |file| {
+        if !is_stream(path) {
+            return encode(file, header, width, names, row);
+        }
+        // A pipe cannot go back to where the table of blocks belongs.
+        let mut whole = Cursor::new(Vec::new());
+        encode(&mut whole, header, width, names, row)?;
+        Ok(file.write_all(whole.get_ref())?)
+    })
 }
 
 /// The format wants channels sorted by name.

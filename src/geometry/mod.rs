@@ -16,6 +16,10 @@
 //! the final t, so no winner is dropped. Equal t goes to the lower primitive index. So brute force and every tree,
 //! order and packet find the same (t, primitive, u, v).
 
+/// Triangles and spheres of a scene are at most so many: a word names one beside four bits that say what else it may be, and
+/// signed differences of their numbers compare right.
+pub const MOST_PRIMITIVES: usize = (1 << 28) - 1;
+
 mod ray;
 mod rows;
 pub mod slab;

@@ -1,4 +1,4 @@
-//! Ctrl-C: the first ends the render after the jobs at hand, the second is for those who find even that long.
+//! Ctrl-C: the first ends the render after the jobs at hand; the third, for those who find even that long, the process.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -14,7 +14,7 @@ pub fn listen() {
     });
 }
 
-/// How often Ctrl-C was pressed.
-pub fn presses() -> u32 {
-    PRESSED.load(Ordering::Relaxed)
+/// Has Ctrl-C been pressed?
+pub fn asked() -> bool {
+    PRESSED.load(Ordering::Relaxed) > 0
 }

@@ -111,7 +111,8 @@ pub trait Watch {
     fn output_seconds(&mut self, _film: &Film) -> Option<f64> {
         None
     }
-    /// A pass is over; `seconds` of rendering so far. Never called with tiles that differ in samples.
+    /// A pass is over; `seconds` of rendering so far. Where samples are divided among tiles, these differ in
+    /// number.
     fn pass_done(&mut self, _film: &Film, _counters: &Counters, _seconds: f64) {}
 }
 
@@ -196,7 +197,7 @@ pub fn render_by(
             Some(rates) => pass.run_at_rates(tiles, rates, splats.as_mut(), end),
             None => pass.run(tiles, next, end),
         }));
-        if interrupt::presses() > 0 {
+        if interrupt::asked() {
             break StoppedBy::Interrupt;
         }
         (done, next) = (done + samples, next + samples);

@@ -12,7 +12,8 @@ use std::cell::RefCell;
 /// Samples a worker renders before it hands them to the film: their slots (12 bytes each) stay in the L2 cache.
 const JOB_SLOTS: u32 = 16_384;
 
-/// Where paths are shared a slot has up to 228 bytes.
+/// Where paths are shared a slot has up to 356 bytes: three colours, and rows of 64 for two vertices, the first one's scattering and
+/// two lobes. On env 16,384 took 1.09 times the seconds.
 const SHARING_JOB_SLOTS: u32 = 4096;
 
 /// Rounds over the film.
@@ -71,7 +72,7 @@ impl Pass<'_> {
         let mut counters = Counters::default();
         // An interrupted pass left some tiles ahead of others.
         let mut first = first.max(tile.next_sample());
-        while first < end && interrupt::presses() == 0 {
+        while first < end && !interrupt::asked() {
             let samples = at_once.min(end - first);
             self.render_job(rect, [first, first + samples], &mut counters, |slots| {
                 if let Some(splats) = splats {

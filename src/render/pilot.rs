@@ -53,7 +53,7 @@ impl Pilot {
         let (tiles, of_tiles): (Vec<_>, Vec<_>) = tiles.map(|tile| explore(pass, tile, first, end, splats)).unzip();
         of_tiles.iter().for_each(|of_tile| counters.add(of_tile));
         let seconds_per_sample = start.elapsed().as_secs_f64() / (end - first) as f64;
-        (interrupt::presses() == 0).then_some(Pilot { tiles, samples: end, seconds_per_sample })
+        (!interrupt::asked()).then_some(Pilot { tiles, samples: end, seconds_per_sample })
     }
 
     /// Mean over so many values, its variance, and the degrees of freedom of that (Satterthwaite 1946): few where few tiles make
@@ -71,7 +71,7 @@ impl Pilot {
 /// tiles.
 fn explore(pass: &Pass, tile: &mut TileFilm, first: u64, end: u64, splats: Option<&SplatSums>) -> (Findings, Counters) {
     let mut counters = Counters::default();
-    if interrupt::presses() > 0 {
+    if interrupt::asked() {
         return (Findings::default(), counters);
     }
     let samples = (end - first) as usize;

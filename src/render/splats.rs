@@ -42,7 +42,7 @@ impl Splats {
         };
         let jobs: Vec<LightJob> = (first_sample..first_sample + samples).flat_map(jobs_of).collect();
         let traced: Vec<(Vec<Splat>, Counters)> = jobs.par_iter().map(|job| one_job(world, kernel, job)).collect();
-        if interrupt::presses() > 0 {
+        if interrupt::asked() {
             return None;
         }
         traced.iter().for_each(|(_, of_job)| counters.add(of_job));
@@ -145,7 +145,7 @@ fn pixels(world: &World) -> usize {
 /// The splats of a job in the order of its paths; each path's come in its own.
 fn one_job(world: &World, kernel: LightKernel, job: &LightJob) -> (Vec<Splat>, Counters) {
     let (mut splats, mut counters) = (Vec::new(), Counters::default());
-    if interrupt::presses() == 0 {
+    if !interrupt::asked() {
         kernel(world, job, &mut splats, &mut counters);
     }
     (by_path(&splats, job.count as usize), counters)

@@ -58,8 +58,9 @@ pub struct Origin {
 }
 
 /// Raised by a change that gives samples of the same scene, options and seed other values: a state goes on only where its samples
-/// would be made again. (1: two triangles of a lamp are sampled as one, along slopes.)
-pub const SAMPLING: u32 = 1;
+/// would be made again. (1: two triangles of a lamp are sampled as one, along slopes.
+/// 2: the pixels that share paths stand in another order; images of normals soften by themselves.)
+pub const SAMPLING: u32 = 2;
 
 fn everywhere() -> bool {
     true

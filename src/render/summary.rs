@@ -12,7 +12,7 @@ use std::fmt;
 /// Version of the JSON's form; raised when a field changes its meaning.
 const FORMAT: u32 = 1;
 
-/// The report of one render. Seconds are wall clock; rates are per second of `render_seconds`.
+/// The report of one render. Seconds are wall clock; rates are per second of `render_seconds` less `discarded_seconds`.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Summary {
     pub format: u32,
@@ -47,6 +47,8 @@ pub struct Summary {
     pub setup: Setup,
     /// From the first sample traced for any purpose to the finished film.
     pub render_seconds: f64,
+    /// Of these, those of a pilot whose samples are counted nowhere.
+    pub discarded_seconds: f64,
     pub output_seconds: f64,
     /// From exec to the written image.
     pub wall_seconds: f64,
@@ -60,6 +62,9 @@ pub struct Summary {
     /// (x, y, sample) of the first few.
     pub discarded_first: Vec<(u32, u32, u64)>,
     pub peak_memory_bytes: Option<u64>,
+    /// See [`Integrator::options`](crate::scene::Integrator::options).
+    #[serde(skip)]
+    pub integrator_options: String,
 }
 
 /// Seconds spent around the render.
@@ -90,7 +95,7 @@ impl Summary {
             height: world.film.height,
             lanes,
             threads,
-            tile: options.tile,
+            tile: outcome.film.tile_side(),
             seed: world.seed,
             sampler: world.sampler,
             samples_per_pixel: outcome.samples_per_pixel(),
@@ -106,6 +111,7 @@ impl Summary {
             load_seconds: times.load,
             setup: world.setup.clone(),
             render_seconds,
+            discarded_seconds: times.pilot,
             output_seconds: 0.0,
             wall_seconds: 0.0,
             paths: counters.camera_rays,
@@ -116,7 +122,13 @@ impl Summary {
             discarded_samples: discarded.count,
             discarded_first: discarded.first.iter().map(|d| (d.x, d.y, d.sample)).collect(),
             peak_memory_bytes: None,
+            integrator_options: world.integrator.options(),
         }
+    }
+
+    /// Where samples of an earlier run are among them: what all were stopped by.
+    pub fn resumed(&mut self, held: u64, stopped_by: StoppedBy) {
+        (self.resumed_samples, self.stopped_by, self.claim) = (held, stopped_by, stopped_by.claim());
     }
 
     /// Closes the books once the image is written.
@@ -129,14 +141,15 @@ impl Summary {
 
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mega = |count: u64| count as f64 / self.render_seconds.max(1e-9) / 1e6;
+        let mega = |count: u64| count as f64 / (self.render_seconds - self.discarded_seconds).max(1e-9) / 1e6;
         writeln!(
             f,
             "{} × {}, {} samples per pixel, stopped by {:?} ({})",
             self.width, self.height, self.samples_per_pixel, self.stopped_by, self.claim
         )?;
         if let Some(adaptive) = &self.adaptive {
-            writeln!(f, "{adaptive}")?;
+            let few = self.relative_error_trusted == Some(false);
+            writeln!(f, "{adaptive}{}", if few { " (not to be trusted: see below)" } else { "" })?;
         }
         if let Some(note) = self.note {
             writeln!(f, "{note}")?;
@@ -179,7 +192,8 @@ impl fmt::Display for Summary {
             let sampler = self.sampler.name();
             writeln!(
                 f,
-                "{count} samples were not finite and count as 0; the first: octolux replay {scene} --pixel {x},{y} --sample {s} --size {width}x{height} --seed {seed} --sampler {sampler}"
+                "{count} samples were not finite and count as 0; the first: octolux replay {scene} --pixel {x},{y} --sample {s} --size {width}x{height} --seed {seed} --sampler {sampler}{}",
+                self.integrator_options
             )?;
             if self.plan.light_paths {
                 writeln!(

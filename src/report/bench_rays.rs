@@ -35,6 +35,14 @@ pub struct BenchRaysArgs {
     pub build: Preset,
 }
 
+impl BenchRaysArgs {
+    /// All that may be read.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let sets = self.sets.iter().map(|set| format!(".{set}.rays"));
+        std::iter::once(".tri".to_owned()).chain(sets).map(|end| with_suffix(&self.data, &end)).collect()
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum TraceMode {

@@ -12,6 +12,9 @@ pub(super) const FINITE: Domain = Domain { contains: f32::is_finite, words: "fin
 pub(super) const POSITIVE: Domain = Domain { contains: |x| x.is_finite() && x > 0.0, words: "finite and > 0" };
 pub(super) const NON_NEGATIVE: Domain = Domain { contains: |x| x.is_finite() && x >= 0.0, words: "finite and >= 0" };
 pub(super) const UNIT: Domain = Domain { contains: |x| (0.0..=1.0).contains(&x), words: "in [0, 1]" };
+/// Of a metal: powers of it must fit into single precision.
+pub(super) const METAL_INDEX: Domain = Domain { contains: |x| x > 0.0 && x < 1e9, words: "> 0 and < 1e9" };
+pub(super) const EXTINCTION: Domain = Domain { contains: |x| (0.0..1e9).contains(&x), words: ">= 0 and < 1e9" };
 pub(super) const EXPONENT: Domain = Domain {
     contains: |x| (0.0..=EXPONENT_MAX).contains(&x),
     words: "in [0, 1e7] (a mirror is a conductor of alpha 0)",

@@ -2,12 +2,16 @@
 
 use super::{Gather, GatherWeights, LightPaths, PathReuse, Roulette};
 
+/// Paths that nothing ends (in a sealed white room roulette lets all go on) would hold an interrupted render for ever; kernels count
+/// in single precision.
+pub const MOST_BOUNCES: u32 = 65_535;
+
 /// How light is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Integrator {
     /// Which estimator or view.
     pub kind: IntegratorKind,
-    /// Scattering events on a path: 0 emission only, 1 direct light, 2 one indirect bounce …
+    /// Scattering events on a path: 0 emission only, 1 direct light, 2 one indirect bounce …; at most [`MOST_BOUNCES`].
     pub max_bounces: u32,
     /// `depth` view: the distance that reads 0.
     pub max_depth: f32,
@@ -41,6 +45,12 @@ impl Default for Integrator {
 }
 
 impl Integrator {
+    /// As the command line has them, those of its settings that it has, each after a blank.
+    pub fn options(&self) -> String {
+        let (light_paths, path_reuse, roulette) = (self.light_paths.name(), self.path_reuse.name(), self.roulette);
+        format!(" --light-paths {light_paths} --path-reuse {path_reuse} --roulette {roulette}")
+    }
+
     /// Do samples share anything besides the scene?
     pub fn shares_points(&self) -> bool {
         self.kind == IntegratorKind::Gather && self.gather.weights == GatherWeights::Shared

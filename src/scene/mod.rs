@@ -44,7 +44,7 @@ mod validate;
 pub use builder::SceneBuilder;
 pub use error::SceneError;
 pub use gather::{Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherShrinkage, GatherWeights};
-pub use integrator::{Integrator, IntegratorKind};
+pub use integrator::{Integrator, IntegratorKind, MOST_BOUNCES};
 pub use light_paths::LightPaths;
 pub use load::load;
 pub use path_reuse::PathReuse;

@@ -6,7 +6,7 @@ use super::gather::{MOST_DIRECTIONS, MOST_SETS};
 use super::toml_text::{Colour, TomlText};
 use super::{
     Gather, GatherCovariance, GatherLights, GatherMethod, GatherPdf, GatherShrinkage, GatherWeights, Integrator,
-    IntegratorKind, LightPaths, PathReuse, Roulette,
+    IntegratorKind, LightPaths, MOST_BOUNCES, PathReuse, Roulette,
 };
 use crate::estimate::bmc::{Covariance, Points};
 use serde::Deserialize;
@@ -75,9 +75,10 @@ pub(super) fn integrator(table: Option<&IntegratorTable>, text: &TomlText) -> Re
     let Some(table) = table else { return Ok(integrator) };
     integrator.kind = choice("integrator", &table.kind, &KINDS, integrator.kind, text)?;
     if let Some(bounces) = &table.max_bounces {
-        integrator.max_bounces = u32::try_from(*bounces.as_ref()).map_err(|_| {
+        let possible = u32::try_from(*bounces.as_ref()).ok().filter(|&n| n <= MOST_BOUNCES);
+        integrator.max_bounces = possible.ok_or_else(|| {
             let message = format!("`max_bounces` = {} is out of range", bounces.as_ref());
-            text.error(bounces.span(), message, "give a whole number from 0 to 4294967295")
+            text.error(bounces.span(), message, format!("give a whole number from 0 to {MOST_BOUNCES}"))
         })?;
     }
     if let Some(depth) = &table.max_depth {

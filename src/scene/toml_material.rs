@@ -1,6 +1,6 @@
 //! `[materials.NAME]`.
 
-use super::domain::{Domain, EXPONENT, NON_NEGATIVE, POSITIVE, UNIT};
+use super::domain::{Domain, EXPONENT, EXTINCTION, METAL_INDEX, NON_NEGATIVE, POSITIVE, UNIT};
 use super::draft::{Draft, MapUse, Slot};
 use super::error::SceneError;
 use super::load::beside;
@@ -146,8 +146,8 @@ impl Reading<'_> {
     }
 
     fn fresnel(&self) -> Result<ConductorFresnel, SceneError> {
-        let eta = self.colour("eta", &self.table.eta, &POSITIVE)?;
-        let k = self.colour("k", &self.table.k, &NON_NEGATIVE)?;
+        let eta = self.colour("eta", &self.table.eta, &METAL_INDEX)?;
+        let k = self.colour("k", &self.table.k, &EXTINCTION)?;
         let f0 = self.paint("f0", &self.table.f0, &UNIT, Slot::Colour)?;
         let reflectance = self.paint("reflectance", &self.table.reflectance, &UNIT, Slot::Colour)?;
         match (eta, k, f0, reflectance) {

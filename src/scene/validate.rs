@@ -1,11 +1,14 @@
 //! Are the numbers of a scene in their domains? What a file says has been looked at where it was read; this is for scenes
 //! made or changed in code.
 
-use super::domain::{Domain, EXPONENT, FIELD_OF_VIEW, FINITE, HALF_ANGLE, NON_NEGATIVE, POSITIVE, UNIT};
-use super::{
-    Bsdf, Camera, ConductorFresnel, DeltaLight, Environment, FilmSize, Material, Mesh, NO_NORMAL, NO_TEXCOORD, Scene,
-    Sphere,
+use super::domain::{
+    Domain, EXPONENT, EXTINCTION, FIELD_OF_VIEW, FINITE, HALF_ANGLE, METAL_INDEX, NON_NEGATIVE, POSITIVE, UNIT,
 };
+use super::{
+    Bsdf, Camera, ConductorFresnel, DeltaLight, Environment, FilmSize, MOST_BOUNCES, Material, Mesh, NO_NORMAL,
+    NO_TEXCOORD, Scene, Sphere,
+};
+use crate::geometry::MOST_PRIMITIVES;
 use glam::DVec3;
 
 /// How far a unit vector's length may be off 1.
@@ -41,9 +44,21 @@ impl Scene {
                 format!("{} × {} pixels; each side is in 1 … {longest}, {most} at most in all", sides[0], sides[1])
             },
         )?;
+        let bounces = self.integrator.max_bounces;
+        require(
+            bounces <= MOST_BOUNCES,
+            || "integrator".into(),
+            || format!("{bounces} bounces; at most {MOST_BOUNCES}"),
+        )?;
         for (i, material) in self.materials.iter().enumerate() {
             material.validate(&|| format!("material {i}"))?;
         }
+        let primitives = self.mesh.triangles.len() + self.spheres.len();
+        require(
+            primitives <= MOST_PRIMITIVES,
+            || "scene".into(),
+            || format!("{primitives} triangles and spheres; at most {MOST_PRIMITIVES}"),
+        )?;
         self.mesh.validate(self.materials.len())?;
         for (i, sphere) in self.spheres.iter().enumerate() {
             sphere.validate(self.materials.len(), &|| format!("sphere {i}"))?;
@@ -104,8 +119,8 @@ impl Material {
                 within(part, "alpha", &[alpha], &UNIT)?;
                 match fresnel {
                     ConductorFresnel::Exact { eta, k } => {
-                        within(part, "eta", &eta, &POSITIVE)?;
-                        within(part, "k", &k, &NON_NEGATIVE)
+                        within(part, "eta", &eta, &METAL_INDEX)?;
+                        within(part, "k", &k, &EXTINCTION)
                     }
                     ConductorFresnel::Schlick { f0 } => within(part, "f0", &f0, &UNIT),
                     ConductorFresnel::Constant { reflectance } => within(part, "reflectance", &reflectance, &UNIT),
@@ -135,7 +150,6 @@ impl Mesh {
     fn validate(&self, materials: usize) -> Valid {
         let part: Part = &|| "mesh".to_owned();
         let triangles = self.triangles.len();
-        require(triangles < 1 << 30, part, || format!("{triangles} triangles; at most 2³⁰ − 1"))?;
         require(self.material.len() == triangles, part, || {
             format!("{} materials for {triangles} triangles", self.material.len())
         })?;

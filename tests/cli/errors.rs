@@ -38,6 +38,11 @@ fn nothing_is_written_over_what_is_read_or_written_here() {
     scratch.run(&["render", "scene.toml", "--spp", "2", "--state", "a.state", "-o", "a.exr", "--quiet"]);
     let kept = ["scene.toml", "a.state"].map(|file| std::fs::read(scratch.path(file)).unwrap());
     std::fs::create_dir(scratch.path("folder")).unwrap();
+    // Where a link leads there is nothing yet.
+    std::os::unix::fs::symlink("b.state", scratch.path("link.exr")).unwrap();
+    for rays in ["rays.tri", "rays.S.rays"] {
+        std::fs::write(scratch.path(rays), "recorded").unwrap();
+    }
     for arguments in [
         &["render", "scene.toml", "-o", "scene.toml"][..],
         &["render", "scene.toml", "--png", "folder/../scene.toml"],
@@ -49,6 +54,9 @@ fn nothing_is_written_over_what_is_read_or_written_here() {
         &["render", "scene.toml", "--resume", "a.state", "--state", "b.state", "-o", "a.state", "--spp", "4"],
         &["merge", "a.state", "-o", "a.state"],
         &["merge", "a.state", "-o", "b.exr", "--png", "b.exr"],
+        &["render", "scene.toml", "-o", "link.exr", "--state", "b.state"],
+        &["bench", "rays", "rays", "--json", "rays.tri"],
+        &["bench", "rays", "rays", "--sets", "P,S", "--json", "rays.S.rays"],
     ] {
         let said = refused(&scratch, arguments);
         assert!(said.contains("would be written over") && said.lines().count() == 1, "{arguments:?}: {said}");
@@ -252,6 +260,14 @@ fn arguments_out_of_range_are_refused() {
         &["replay", "scene.toml", "--pixel", "99,99"],
         &["check", "scene.toml", "--inject-fault", "nonsense"],
         &["bench"],
+        &["bench", "scene.toml", "--seconds", "nan"],
+        &["bench", "scene.toml", "--seconds", "1e300"],
+        &["bench", "scene.toml", "--threads", "0"],
+        &["bench", "scene.toml", "--json", "no/such/folder.json"],
+        &["render", "scene.toml", "--png", "a.png", "--exposure", "nan"],
+        &["render", "scene.toml", "--png", "a.png", "--ladder", "1,2", "--unbiased"],
+        &["estimate", "interval", "--f", "1/x", "--range", "0,1"],
+        &["converge", "scene.toml", "-o", "study", "--variants", "x: --unbiased"],
         &["compare", "scene.toml", "floor.obj"],
     ] {
         refused(&scratch, arguments);
@@ -278,54 +294,6 @@ fn more_samples_than_there_are_indices() {
     // The last one there is.
     let last = ["render", "scene.toml", "--samples", "4294967232..4294967296", "-o", "a.exr", "--size", "2x2"];
     assert!(scratch.run(&last).status.success());
-}
-
-/// `octolux … | head`: the command ends as others do whose reader is gone, and says nothing.
-#[test]
-fn a_reader_that_goes_away_is_no_panic() {
-    let scratch = Scratch::new();
-    for arguments in [&["info", "scene.toml"][..], &["estimate", "die", "--repeats", "2"], &["completions", "bash"]] {
-        let (reader, writer) = std::io::pipe().unwrap();
-        drop(reader);
-        let output = std::process::Command::new(assert_cmd::cargo::cargo_bin("octolux"))
-            .current_dir(scratch.folder.path())
-            .args(arguments)
-            .stdout(writer)
-            .stderr(std::process::Stdio::piped())
-            .spawn()
-            .unwrap()
-            .wait_with_output()
-            .unwrap();
-        assert_eq!((output.status.code(), text(&output.stderr)), (Some(141), String::new()), "{arguments:?}");
-    }
-}
-
-/// `octolux render … 2>&1 | head -1`: what is told of the work is lost, the image is not.
-#[test]
-fn an_image_is_written_though_nobody_reads_how_it_goes() {
-    let scratch = Scratch::new();
-    let (reader, writer) = std::io::pipe().unwrap();
-    drop(reader);
-    let status = std::process::Command::new(assert_cmd::cargo::cargo_bin("octolux"))
-        .current_dir(scratch.folder.path())
-        .args(["render", "scene.toml", "--size", "8x8", "--spp", "4", "--explain", "-o", "a.exr"])
-        .stderr(writer)
-        .status()
-        .unwrap();
-    assert!(status.success() && scratch.folder.path().join("a.exr").is_file(), "{status}");
-}
-
-/// `octolux render nothing.toml 2>&1 | head -0`: a script still sees that it failed.
-#[test]
-fn an_error_that_nobody_reads_is_still_one() {
-    let (reader, writer) = std::io::pipe().unwrap();
-    drop(reader);
-    let status = std::process::Command::new(assert_cmd::cargo::cargo_bin("octolux"))
-        .args(["render", "there_is_no_such_scene.toml", "-o", "a.exr"])
-        .stderr(writer)
-        .status()
-        .unwrap();
-    assert_eq!(status.code(), Some(2), "{status}");
 }
 
 /// What a user may type for a number: refused with exit code 2 and one line of what is wrong, or taken.

@@ -14,6 +14,7 @@ mod path_reuse;
 mod render;
 mod replay;
 mod state;
+mod streams;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

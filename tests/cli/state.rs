@@ -111,6 +111,39 @@ fn what_is_foreign_is_refused_and_named() {
     assert!(with(&[]).contains("another scene"));
 }
 
+/// What an earlier run claims less of, a later one that adds nothing does not claim more of; and file and report say the same.
+#[test]
+fn what_stopped_the_samples_stays_with_them() {
+    let scratch = Scratch::new();
+    done(&scratch, &render(&["-o", "a.exr", "--state", "a.state", "--error", "0.3"]));
+    let claims = |more: &[&str]| {
+        let report =
+            scratch.json(&[&render(&["-o", "b.exr", "--resume", "a.state", "--json", "-"])[..], more].concat());
+        let stopped_by = State::load(&scratch.path("a.state")).unwrap().head.stopped_by;
+        (report["stopped_by"].as_str().unwrap().to_string(), format!("{stopped_by:?}").to_lowercase())
+    };
+    let both = |word: &str| (word.to_string(), word.to_string());
+    assert_eq!(claims(&["--spp", "1"]), both("error"));
+    // A fixed number in all forgets where it was halted.
+    assert_eq!(claims(&["--spp", "256"]), both("samples"));
+    assert_eq!(claims(&["--time", "0.3"]), both("time"));
+    assert_eq!(claims(&["--error", "0.9"]), both("error"));
+}
+
+/// A state of something else is no place for a merged one.
+#[test]
+fn a_merged_state_takes_the_place_of_parts_alone() {
+    let scratch = Scratch::new();
+    done(&scratch, &render(&["-o", "a.exr", "--state", "a.state", "--samples", "0..64"]));
+    done(&scratch, &render(&["-o", "a.exr", "--state", "b.state", "--samples", "64..128"]));
+    done(&scratch, &render(&["-o", "a.exr", "--state", "other.state", "--samples", "0..64", "--seed", "3"]));
+    let kept = std::fs::read(scratch.path("other.state")).unwrap();
+    let merge = ["merge", "a.state", "b.state", "--quiet", "--state"];
+    assert!(refused(&scratch, &[&merge[..], &["other.state"]].concat()).contains("none of the parts"));
+    assert!(std::fs::read(scratch.path("other.state")).unwrap() == kept);
+    done(&scratch, &[&merge[..], &["./a.state"]].concat());
+}
+
 #[test]
 fn ranges_begin_at_blocks() {
     let scratch = Scratch::new();

@@ -62,6 +62,9 @@ impl Integrand for Importance {
     }
 }
 
+/// Of an exact value, relative to ∫ |f|.
+const MOST_ERROR: f64 = 1e-3;
+
 /// ∫ f over `range`: `function` is a name of [`INTERVAL_FUNCTIONS`] or an expression in x; `density` an expression for
 /// what importance sampling draws from.
 ///
@@ -78,15 +81,16 @@ pub fn interval(function: &str, range: [f64; 2], density: Option<&str>, width: W
             (value, error, "adaptive Gauss quadrature")
         }
     };
-    if !exact.is_finite() {
-        return Err(format!(
-            "{function:?} has no finite integral over [{}, {}]; choose another range",
-            range[0], range[1]
-        ));
-    }
     let length = range[1] - range[0];
     let squares = integrate(|x| f.at(x).powi(2), range).0;
     let absolute = integrate(|x| f.at(x).abs(), range).0;
+    // Where quadrature does not converge there is most likely nothing to converge to.
+    if !exact.is_finite() || exact_error > MOST_ERROR * absolute {
+        return Err(format!(
+            "{function:?} has no finite integral over [{}, {}] that quadrature finds; choose another range",
+            range[0], range[1]
+        ));
+    }
     let importance = density.map(|text| -> Result<(Shared, f64), String> {
         let density = Density::new(Expression::parse(text)?, range)?;
         let second = integrate(|x| f.at(x).powi(2) / density.at(x), range).0;

@@ -1,6 +1,7 @@
 //! The `.tri` and `.rays` files.
 
 use super::BenchRaysError;
+use crate::geometry::MOST_PRIMITIVES;
 use std::path::Path;
 
 pub struct Triangles {
@@ -55,8 +56,8 @@ impl Triangles {
     pub fn read(path: &Path) -> Result<Self, BenchRaysError> {
         let mut body = open(path, b"TRI0")?;
         let count = body.word(path)?;
-        if count >= 1 << 28 {
-            return Err(format(path, format!("{count} triangles; at most 2^28 - 1 are supported")));
+        if count as usize > MOST_PRIMITIVES {
+            return Err(format(path, format!("{count} triangles; at most {MOST_PRIMITIVES} are supported")));
         }
         let values = body.floats(path, count, 9)?;
         if let Some(i) = values.iter().position(|x| !x.is_finite() || x.abs() > 1e30) {

@@ -124,7 +124,7 @@ fn render_reference(variant: &mut Variant, each: u64, path: &Path, loud: bool) -
     let (mut sum, mut squares) = (vec![0.0f64; values], vec![0.0f64; values]);
     for replicate in 0..REPLICATES {
         let outcome = variant.render(each, REFERENCE_SEED.wrapping_add(replicate), loud);
-        if interrupt::presses() > 0 {
+        if interrupt::asked() {
             return Err(ConvergeError::Interrupted);
         }
         for y in 0..film.height {

@@ -98,7 +98,7 @@ impl Variant {
         let (mut samples, mut pilots) = (1, Vec::new());
         while pilots.len() < PILOTS {
             let took = self.render(samples, seed, false).render_seconds;
-            if interrupt::presses() > 0 {
+            if interrupt::asked() {
                 return 0;
             }
             if took >= PILOT_SHARE * seconds || samples >= render::budget::MAX_SAMPLES / 2 || !pilots.is_empty() {
@@ -220,7 +220,7 @@ fn render_cells(plan: &mut Plan, store: &mut Store) -> Result<Vec<CellKey>, Conv
         progress.start(&format!("{name}, {}, seed {}", keys[at].budget, keys[at].seed));
         let variant = &mut plan.variants[order[at].0];
         let outcome = variant.render(samples as u64, keys[at].seed, false);
-        if interrupt::presses() > 0 {
+        if interrupt::asked() {
             break;
         }
         let cell = save(&plan.folder, variant, keys[at].clone(), &outcome)?;
