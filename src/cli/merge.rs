@@ -25,13 +25,6 @@ pub fn run(args: &MergeArgs) -> Result<bool, CliError> {
         return Err(CliError::Usage("nothing to write: give -o OUT.exr, --png OUT.png or --state OUT.state".into()));
     }
     check_folders(args.images.files().chain(args.state.as_deref()))?;
-    let is_part = |path: &Path| args.parts.iter().any(|part| same_file(part, path));
-    if let Some(path) = args.state.as_deref().filter(|path| path.is_file() && !is_part(path)) {
-        let path = path.display();
-        return Err(CliError::Usage(format!(
-            "{path}: exists, and is none of the parts; remove it, or name another file"
-        )));
-    }
     // What is merged may take the place of a part, an image may not.
     check_apart(args.images.files(), args.parts.iter().map(PathBuf::as_path))?;
     check_apart(args.images.files().chain(args.state.as_deref()), [])?;
@@ -41,6 +34,10 @@ pub fn run(args: &MergeArgs) -> Result<bool, CliError> {
     let Some((_, mut whole)) = load()? else { return Ok(true) };
     while let Some((path, part)) = load()? {
         whole.merge(part, path)?;
+    }
+    let is_part = |path: &Path| args.parts.iter().any(|part| same_file(part, path));
+    if let Some(path) = args.state.as_deref().filter(|path| path.is_file() && !is_part(path)) {
+        check_replaced(path, &whole)?;
     }
     drop(phase);
     let phase = Phase::begin("writing", args.quiet);
@@ -56,6 +53,19 @@ pub fn run(args: &MergeArgs) -> Result<bool, CliError> {
         }
     }
     Ok(true)
+}
+
+/// A state that is none of the parts gives way to one that holds all of its samples, as of an earlier merge, and to no other.
+fn check_replaced(path: &Path, whole: &State) -> Result<(), CliError> {
+    let there = State::load(path)?;
+    let same = whole.head.origin.admit(&there.head.origin, path).is_ok();
+    if same && whole.film.covers(&there.film) {
+        return Ok(());
+    }
+    let path = path.display();
+    Err(CliError::Usage(format!(
+        "{path}: holds samples of none of the parts; merge it too, remove it, or name another file"
+    )))
 }
 
 fn write(args: &MergeArgs, whole: &State) -> Result<(), CliError> {

@@ -89,6 +89,16 @@ impl BlockTree {
         self.nodes.iter().any(|node| (node.first_block()..node.end_block()).contains(&block))
     }
 
+    /// True if each block of `other` is in one of the nodes.
+    pub fn covers(&self, other: &Self) -> bool {
+        let inside = |node: &Node| {
+            let (first, end) = (node.first_block(), node.end_block());
+            let common = |own: &Node| own.end_block().min(end).saturating_sub(own.first_block().max(first));
+            self.nodes.iter().map(common).sum::<u64>() == end - first
+        };
+        other.nodes.iter().all(inside)
+    }
+
     /// Each node's sums, from the lowest block to the highest: the order in which a total is taken.
     pub fn sums(&self) -> impl Iterator<Item = &[f64]> {
         self.nodes.iter().map(|node| node.sums.as_slice())

@@ -154,6 +154,16 @@ impl Film {
         Some(sum)
     }
 
+    /// Does it hold all samples of each pixel that `other`, a film of the same image, holds? (Where tiles are of another size, by the
+    /// first.)
+    pub fn covers(&self, other: &Self) -> bool {
+        let covered = |(own, theirs): (&TileFilm, &TileFilm)| {
+            own.whole.covers(&theirs.whole) && own.next_sample >= theirs.next_sample
+        };
+        let tiles = if self.tile == other.tile { self.tiles.len() } else { 1 };
+        self.tiles.iter().zip(&other.tiles).take(tiles).all(covered)
+    }
+
     /// Takes over samples of the same image that were rendered elsewhere, bit for bit as if rendered here.
     ///
     /// # Errors

@@ -6,16 +6,17 @@ use super::expected::Lamp;
 use super::grid::{ChoiceGrid, MANY_LIGHTS, Receivers};
 use super::inversion::Choice;
 use super::pairs::{self, Paired};
-use super::reach::Reach;
+use super::reach::{FEW_EMITTERS, Reach};
 use super::row::{CENTER, E1, E2, LaneRows, NG, P0, PDF_ROW, RADIANCE, RADIUS, Row, row};
 use super::sample::LightPoint;
-use super::slope::{Sloped, Slopes};
+use super::slope::{self, Sloped, Slopes};
 use super::sphere::sphere_pdf;
 use super::triangle::triangle_pdf;
 use super::{Emitter, EmitterShape, LightError};
 use crate::geometry::Rows;
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
 use crate::sampling::warp;
+use glam::DVec3;
 use std::f64::consts::PI;
 
 /// A point on an area light.
@@ -101,15 +102,21 @@ impl AreaLights {
         });
     }
 
-    /// From now on numbers of pairs can follow a [slope](Slopes).
+    /// From now on numbers of pairs can follow a [slope](Slopes), and where they are few, of single triangles.
     pub(super) fn add_slopes(&mut self) {
-        let vertices = |lamp: usize| {
-            let (row, [_, corner]) = (self.rows.row(2 * lamp), *self.names.row(2 * lamp));
-            let vector = |k: usize| glam::DVec3::new(row[k].into(), row[k + 1].into(), row[k + 2].into());
-            let vertices = [vector(P0), vector(P0) + vector(E1), vector(P0) + vector(E2)];
+        let vertices = |row: usize| {
+            let row = self.rows.row(row);
+            let vector = |k: usize| DVec3::new(row[k].into(), row[k + 1].into(), row[k + 2].into());
+            [vector(P0), vector(P0) + vector(E1), vector(P0) + vector(E2)]
+        };
+        let pair = |lamp: usize| {
+            let (vertices, [_, corner]) = (vertices(2 * lamp), *self.names.row(2 * lamp));
             [0, 1, 2].map(|k| vertices[(corner as usize + k) % 3])
         };
-        self.slopes = (self.pairs > 0).then(|| Slopes::of((0..self.pairs).map(vertices)));
+        let singles = 2 * self.pairs..self.first_sphere;
+        let singles = if singles.len() <= FEW_EMITTERS { singles } else { 0..0 };
+        let lamps: Vec<_> = (0..self.pairs).map(pair).chain(singles.map(vertices).map(slope::of_triangle)).collect();
+        self.slopes = (!lamps.is_empty()).then(|| Slopes::of(lamps.into_iter()));
     }
 
     fn lamp(&self, i: usize) -> Lamp {
@@ -233,14 +240,15 @@ impl AreaLights {
     #[inline(always)]
     fn place<R: Real>(&self, lamp: R::Bits, receiver: Option<(Vec3<R>, Vec3<R>)>, mut u: [R; 2]) -> Place<R> {
         let (mut row, mut second, mut stretch) = (lamp, R::Mask::splat(false), R::one());
+        if let (Some(slopes), Some((p, n))) = (&self.slopes, receiver) {
+            let leans = lamp.lt(R::Bits::splat(slopes.len() as u32));
+            let sloped: Sloped<R> = slopes.lean(lamp, leans, p, n, u);
+            u = [0, 1].map(|k| R::select(leans, sloped.u[k], u[k]));
+            stretch = R::select(leans, sloped.stretch, stretch);
+        }
         if self.pairs > 0 {
             let pairs = R::Bits::splat(self.pairs as u32);
             let paired = lamp.lt(pairs);
-            if let (Some(slopes), Some((p, n))) = (&self.slopes, receiver) {
-                let sloped: Sloped<R> = slopes.lean(lamp, paired, p, n, u);
-                u = [0, 1].map(|k| R::select(paired, sloped.u[k], u[k]));
-                stretch = R::select(paired, sloped.stretch, stretch);
-            }
             second = paired & pairs::in_second(u);
             let one = R::Bits::select(second, R::Bits::splat(1), R::Bits::splat(0));
             row = lamp + R::Bits::select(paired, lamp + one, pairs);

@@ -17,7 +17,7 @@ const STEEPEST: f32 = 0.5;
 /// Centre, halves of the sides, their squared lengths.
 type Row = [f32; 12];
 
-/// What it takes of parallelograms.
+/// What it takes of parallelograms, and of those that stand for [triangles](of_triangle).
 pub(super) struct Slopes(Rows<12>);
 
 /// Numbers, and how much of the square one of them stands for: over that of uniform numbers.
@@ -30,6 +30,11 @@ impl Slopes {
     /// Of parallelograms, by a vertex and those next to it.
     pub fn of(vertices: impl Iterator<Item = [DVec3; 3]>) -> Self {
         Self(Rows::new(&vertices.map(row).collect::<Vec<Row>>()))
+    }
+
+    /// Lamps.
+    pub fn len(&self) -> usize {
+        self.0.count()
     }
 
     pub fn bytes(&self) -> usize {
@@ -79,4 +84,12 @@ fn row([p, next, last]: [DVec3; 3]) -> Row {
     }
     (row[9], row[10]) = (a.length_squared() as f32, b.length_squared() as f32);
     row
+}
+
+/// The parallelogram that stands for a triangle: as long as the [map](crate::sampling::warp::uniform_triangle) from the square to it is
+/// on average along either number, about the same middle.
+pub(super) fn of_triangle([p, next, last]: [DVec3; 3]) -> [DVec3; 3] {
+    let (a, b) = (next - p, last - p);
+    let corner = p + (a + b) / 12.0;
+    [corner, corner + 0.75 * a - 0.25 * b, corner + 0.75 * b - 0.25 * a]
 }

@@ -141,7 +141,14 @@ fn a_merged_state_takes_the_place_of_parts_alone() {
     let merge = ["merge", "a.state", "b.state", "--quiet", "--state"];
     assert!(refused(&scratch, &[&merge[..], &["other.state"]].concat()).contains("none of the parts"));
     assert!(std::fs::read(scratch.path("other.state")).unwrap() == kept);
-    done(&scratch, &[&merge[..], &["./a.state"]].concat());
+    done(&scratch, &render(&["-o", "a.exr", "--state", "c.state", "--samples", "128..192"]));
+    let kept = std::fs::read(scratch.path("c.state")).unwrap();
+    assert!(refused(&scratch, &[&merge[..], &["c.state"]].concat()).contains("none of the parts"));
+    assert!(std::fs::read(scratch.path("c.state")).unwrap() == kept);
+    // The same once more, over what it made before; and over a part.
+    for place in ["whole.state", "whole.state", "./a.state"] {
+        done(&scratch, &[&merge[..], &[place]].concat());
+    }
 }
 
 #[test]

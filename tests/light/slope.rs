@@ -72,14 +72,14 @@ fn what_is_denser_is_lighter_by_as_much() {
 }
 
 /// Lambert's formula for the irradiance of a polygon above the horizon, of radiance 1 (1760, Photometria).
-fn lambert(corners: [V; 4], p: V, n: V) -> f64 {
+fn lambert<const N: usize>(corners: [V; N], p: V, n: V) -> f64 {
     let to = corners.map(|c| unit(sub(c, p)));
     let edge = |i: usize| {
-        let (a, b) = (to[i], to[(i + 1) % 4]);
+        let (a, b) = (to[i], to[(i + 1) % N]);
         let normal = cross(a, b);
         norm(normal).atan2(dot(a, b)) * dot(unit(normal), n)
     };
-    0.5 * (0..4).map(edge).sum::<f64>().abs()
+    0.5 * (0..N).map(edge).sum::<f64>().abs()
 }
 
 #[test]
@@ -110,6 +110,58 @@ fn near_a_lamp_it_pays() {
     }
 }
 
+/// The mean over the numbers by the midpoint rule: of a triangle's samples there is a kink somewhere in their square.
+fn midpoint_mean(lights: &Lights, p: V, facing: V, of: impl Fn(&LightSample<f32>) -> f64) -> f64 {
+    const SIDE: usize = 500;
+    let place = |i: usize| (i as f64 + 0.5) / SIDE as f64;
+    let value = |i: usize| {
+        let sample = at(lights, p, facing, [place(i % SIDE), place(i / SIDE)]);
+        f64::from(sample.radiance.x) * of(&sample)
+    };
+    (0..SIDE * SIDE).map(value).sum::<f64>() / (SIDE * SIDE) as f64
+}
+
+/// A single triangle leans as the parallelogram does that stands for it: no less exactly, and it pays.
+#[test]
+fn single_triangles_lean_too() {
+    let corners = [LAMP[0], LAMP[1], LAMP[2]];
+    let of_it = || area_lights(&[triangle(0, corners, [1.0; 3])]);
+    let (even, mut lights) = (of_it(), of_it());
+    lights.add_slopes();
+    for (p, n) in receivers() {
+        for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (0, 2)] {
+            let of = |s: &LightSample<f32>| f64::from(s.target.x).powi(i) * f64::from(s.target.y).powi(j);
+            let (expected, found) = (midpoint_mean(&even, p, n, of), midpoint_mean(&lights, p, n, of));
+            assert!((found - expected).abs() < 3e-5, "{p:?}, x^{i} y^{j}: {found} for {expected}");
+        }
+    }
+    for (p, n, most) in [([0.6, 0.5, 0.5], UP, 0.75), ([-2.0, 0.1, 0.3], unit([1.0, 0.0, 0.5]), 0.5)] {
+        let irradiance = |s: &LightSample<f32>| dot(f64s(s.wi.lane(0)), n) / f64::from(s.pdf);
+        let exact = lambert(corners, p, n);
+        let found = midpoint_mean(&lights, p, n, irradiance);
+        assert!((found / exact - 1.0).abs() < 3e-5, "{p:?}: {found} for {exact}");
+        let variance = |lights: &Lights| {
+            midpoint_mean(lights, p, n, |s| f64::from(s.radiance.x) * irradiance(s).powi(2)) - exact * exact
+        };
+        let ratio = variance(&lights) / variance(&even);
+        assert!(ratio < most, "{p:?}: {ratio}");
+    }
+}
+
+/// Where they are many they are small, and each is sampled evenly.
+#[test]
+fn many_single_triangles_do_not_lean() {
+    let row = |i: usize| LAMP.map(|p| [p[0] + 3.0 * i as f64, p[1], p[2]]);
+    let emitters: Vec<Emitter> =
+        (0..17).map(|i| triangle(i as u32, [row(i)[0], row(i)[1], row(i)[2]], [1.0; 3])).collect();
+    let leans = |count: usize| {
+        let mut lights = area_lights(&emitters[..count]);
+        lights.add_slopes();
+        at(&lights, [0.0; 3], UP, [0.25, 0.125]).radiance.x != 1.0
+    };
+    assert!(leans(16) && !leans(17));
+}
+
 /// On the lamp's plane, edges and corners, far away and for tiny lamps: a number between 1/9 and 9.
 #[test]
 fn extreme_places_and_sizes() {
@@ -118,13 +170,15 @@ fn extreme_places_and_sizes() {
     let edge = sub(b, a);
     let beyond = [0, 1, 2].map(|k| a[k] - edge[k]);
     let mut rng = Rng::new(5);
+    let places = [a, mid(a, b), mid(a, c), beyond, [0.0; 3], scaled(a, -1e6), scaled(a, 1e9)];
     for size in [1.0, 1e-6, 1e-18] {
         let corners = LAMP.map(|p| scaled(p, size));
-        let lights = sloped(corners);
-        for from in [a, mid(a, b), mid(a, c), beyond, [0.0; 3], scaled(a, -1e6), scaled(a, 1e9)] {
+        let mut single = area_lights(&halves(corners)[..1]);
+        single.add_slopes();
+        for (lights, from) in [sloped(corners), single].iter().flat_map(|lights| places.map(|from| (lights, from))) {
             for _ in 0..200 {
                 let n = if rng.f64() < 0.2 { [0.0; 3] } else { rng.sphere() };
-                let s = at(&lights, scaled(from, size), n, [rng.f64(), rng.f64()].map(|u| u.min(0.999_999)));
+                let s = at(lights, scaled(from, size), n, [rng.f64(), rng.f64()].map(|u| u.min(0.999_999)));
                 if s.pdf > 0.0 {
                     let stretch = f64::from(s.radiance.x);
                     assert!((1.0 / 9.1..9.1).contains(&stretch), "{stretch} from {from:?}, size {size}");
