@@ -148,9 +148,9 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
         let back = reversed_pdf(world, shade, paths.hit, surface, [wo, sample.wi], paths.alive & !sample.delta);
         arrival.leave(surface, sample, [wo.z, back], *paths, out);
     }
-    let factor = roulette(world, paths, carried, u[ROULETTE], probe);
+    let by_roulette = roulette(world, paths, carried, u[ROULETTE], probe);
     if shared.any() {
-        reuse::leave(surface, &sample, paths, factor, shared, out);
+        reuse::leave(surface, &sample, paths, by_roulette, shared, out);
     }
 }
 
@@ -221,7 +221,7 @@ fn add_emission<R: Real, S: Shade, P: Probe>(
     if let Some(lights) = world.lights.as_ref().filter(|lights| lights.has_grid()) {
         pdf = pdf * lights.choice_ratio(paths.hit.primitive, paths.table, emitting);
     }
-    let pdf = shade.shared(world, pdf);
+    let pdf = shade.scene_light_pdf(world, pdf);
     let weight = match arrival {
         None => mis_weight(paths.bsdf_pdf, pdf),
         Some(arrival) => {

@@ -69,7 +69,7 @@ pub trait Shade: Sync {
 
     /// The density of light samples on the scene's own emitters, from what it is where there are no other lights.
     #[inline(always)]
-    fn shared<R: Real>(&self, _world: &World, pdf: R) -> R {
+    fn scene_light_pdf<R: Real>(&self, _world: &World, pdf: R) -> R {
         pdf
     }
 

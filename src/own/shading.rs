@@ -183,14 +183,14 @@ impl<B: Bsdf, L: Light> Shade for Own<B, L> {
     }
 
     #[inline(always)]
-    fn shared<R: Real>(&self, world: &World, pdf: R) -> R {
+    fn scene_light_pdf<R: Real>(&self, world: &World, pdf: R) -> R {
         if L::SHINES { pdf * R::splat(1.0 - Self::share(world)) } else { pdf }
     }
 
     #[inline(always)]
     fn escaped<R: Real>(&self, world: &World, direction: Vec3<R>) -> (Vec3<R>, R) {
         let (radiance, pdf) = Shade::escaped(&AllModels, world, direction);
-        (radiance, self.shared(world, pdf))
+        (radiance, self.scene_light_pdf(world, pdf))
     }
 
     #[inline(always)]

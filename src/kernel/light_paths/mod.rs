@@ -37,7 +37,7 @@ pub struct LightPaths {
     /// The density of a start per unit of area is an emitter's row of [`World::tags`] times this (over 4πr² on a sphere).
     per_row: f32,
     /// What a path carries when it starts, about: the unit of roulette.
-    carried: f32,
+    starts_with: f32,
 }
 
 impl LightPaths {
@@ -49,7 +49,7 @@ impl LightPaths {
         let pixels = u64::from(world.film.width) * u64::from(world.film.height);
         let count = pixels.min(u64::from(u32::MAX)) as u32;
         let everywhere = world.integrator.light_paths == Wish::On;
-        Some(LightPaths { count, everywhere, per_row: share.recip(), carried: (power / f64::from(count)) as f32 })
+        Some(LightPaths { count, everywhere, per_row: share.recip(), starts_with: (power / f64::from(count)) as f32 })
     }
 
     /// The number of paths, as their weights have it.

@@ -77,7 +77,7 @@ fn scatter<R: Real>(world: &World, walk: &mut Walk<R>, vertex: &Vertex<R>, u: &[
 /// As camera paths play it, by what is left of what the path started with.
 #[inline(always)]
 fn roulette<R: Real>(world: &World, paths: &LightPaths, walk: &mut Walk<R>, u: R) {
-    let carried = walk.beta.max_component() / R::splat(paths.carried);
+    let carried = walk.beta.max_component() / R::splat(paths.starts_with);
     let Some((plays, survival)) = world.roulette.survival(walk.bounce, carried, walk.alive) else { return };
     let survives = u.lt(survival);
     walk.alive = walk.alive & (survives | !plays);

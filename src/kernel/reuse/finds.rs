@@ -40,7 +40,7 @@ pub fn collect(slots: &[u32], shared: &Shared, rgb: &mut [[f32; 3]], finds: &mut
         let albedo = brightness(array::from_fn(|c| shared.first[slot][place::ALBEDO + c]));
         let mut add = |part: usize, lobe: Option<Lobe>| {
             let found = rgb[part * count + slot];
-            let factor = lobe.map_or(1.0, |lobe| f64::from(shared.lobes[lobe.row][place::FACTOR]));
+            let factor = lobe.map_or(1.0, |lobe| f64::from(shared.lobes[lobe.row][place::SEEN]));
             let worth = brightness(found) * albedo * factor;
             if !worth.is_finite() {
                 rgb[slot] = [f32::NAN; 3];

@@ -47,7 +47,7 @@ pub struct Shared {
     scattering: Vec<Row>,
     /// Second vertices: position and its error, normals on the viewer's side, [what](place) they are.
     second: Vec<Row>,
-    /// A direction at a second vertex that is not Lambert, density of a light sample, BSDF, and [what it scatters](place::FACTOR)
+    /// A direction at a second vertex that is not Lambert, density of a light sample, BSDF, and [what it scatters](place::SEEN)
     /// of what comes from there.
     lobes: Vec<Row>,
 }
@@ -65,13 +65,13 @@ mod place {
     /// Of a second vertex: 1 + the lobe of the path's own way on, 0 for none.
     pub const WAY_ON: usize = 14;
     /// Of a second vertex: what roulette multiplied the path by that went on.
-    pub const CARRIED: usize = 15;
+    pub const ROULETTE: usize = 15;
     /// Of a lobe: the density of a light sample.
     pub const PDF: usize = 3;
     /// Of a lobe or a first vertex's scattering: the first of the material's values.
     pub const MATERIAL: usize = 4;
     /// Of a lobe: how much it scatters to the path's own first vertex, about. By that finds are chosen.
-    pub const FACTOR: usize = 14;
+    pub const SEEN: usize = 14;
 }
 
 /// A second vertex that scatters the same to every side.

@@ -99,9 +99,9 @@ fn share_third<R: Real>(paths: &mut Paths<R>, third: R::Mask, out: &SampleBuffer
     let third = lanes_where::<R>(paths.slot, third, |slot| slot < slots && second[slot][place::WAY_ON] != 0.0);
     for lane in lanes_of(third.bits()) {
         let slot = paths.slot.lane(lane);
-        let carried = second[slot as usize][place::CARRIED];
+        let by_roulette = second[slot as usize][place::ROULETTE];
         paths.slot.set_lane(lane, slot + 2 * slots as u32);
-        paths.beta.set_lane(lane, [carried; 3]);
+        paths.beta.set_lane(lane, [by_roulette; 3]);
     }
 }
 
@@ -122,14 +122,14 @@ pub fn keep_light<R: Real>(
     (light.radiance * light.pdf.recip(), slot + R::Bits::splat(out.shared.slots()))
 }
 
-/// Keeps by what directions paths leave second vertices that are not Lambert (the lanes of `shared`); `carried` is what
-/// roulette multiplied them by.
+/// Keeps by what directions paths leave second vertices that are not Lambert (the lanes of `shared`); `by_roulette` is
+/// what that multiplied them by.
 #[inline(never)]
 pub fn leave<R: Real>(
     surface: Surface<R>,
     sample: &Sample<R>,
     paths: &Paths<R>,
-    carried: R,
+    by_roulette: R,
     shared: R::Mask,
     out: &mut SampleBuffer,
 ) {
@@ -145,7 +145,7 @@ pub fn leave<R: Real>(
         out,
     );
     for lane in lanes_of(shared.bits()) {
-        out.shared.second[paths.slot.lane(lane) as usize][place::CARRIED] = carried.lane(lane);
+        out.shared.second[paths.slot.lane(lane) as usize][place::ROULETTE] = by_roulette.lane(lane);
     }
 }
 
