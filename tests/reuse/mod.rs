@@ -32,6 +32,7 @@ fn scenes_that_share() -> Vec<(&'static str, Scene)> {
         ("crumpled ball", scenes::crumpled_ball(true)),
         ("metal floor", metal_floor()),
         ("red and white under green", red_and_white_under_green()),
+        ("in rough glass", in_rough_glass()),
     ];
     assert!(scenes.iter().all(|(_, scene)| shares(scene)), "nothing would be tested");
     scenes.into()
@@ -71,6 +72,19 @@ fn red_and_white_under_green() -> Scene {
     set.quad(green, [[-2.0, 2.5, -2.0], [2.0, 2.5, -2.0], [2.0, 2.5, 1.0], [-2.0, 2.5, 1.0]]);
     let light = DeltaLight::Point { position: [0.0, 1.5, 0.0], intensity: [5.0; 3] };
     set.light(light).finish()
+}
+
+/// A ball within rough glass, which paths meet from behind, and a sheet of it that they meet from both sides.
+fn in_rough_glass() -> Scene {
+    let mut set = Set::new([0.0, 0.4, 2.5], [0.0, 0.0, 0.0], 50.0, scenes::SIDE).bounces(6);
+    let glass = set.material(Bsdf::Dielectric { alpha: 0.3, masking: Masking::Separable, ior: 1.4 }, [0.0; 3]);
+    let white = set.grey(0.8, 0.0);
+    set.sphere(glass, [0.0; 3], 4.0);
+    set.sphere(white, [0.0, -0.6, 0.0], 1.0);
+    set.quad(glass, [[-1.5, 0.8, 0.5], [1.5, 0.8, 0.5], [1.5, 0.9, -1.5], [-1.5, 0.9, -1.5]]);
+    let mut scene = set.finish();
+    scene.environment = Some(Environment::Constant([1.0, 0.8, 0.6]));
+    scene
 }
 
 /// Blocks along each side of the image.

@@ -71,6 +71,8 @@ pub fn arrive<R: Real>(
     }
     let wo = -paths.ray.direction;
     let seen = surface.ng.dot(wo);
+    // Normals are kept on the viewer's side; what a dielectric scatters depends on which of the two that is.
+    let second = second & !(surface.material.is_dielectric() & seen.lt(R::zero()));
     let side = one.copysign(seen);
     let ns = Vec3::select(surface.ng.dot(surface.ns).lt(R::zero()), -surface.ns, surface.ns) * side;
     // A shading normal that is turned towards who looks is another to each; those of images have been turned already.
