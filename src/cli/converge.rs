@@ -126,9 +126,11 @@ fn table(report: &ConvergeReport) -> String {
     );
     for row in report.variants.iter().flat_map(|v| &v.rows) {
         let half = 50.0 * (row.relmse.hi - row.relmse.lo) / row.relmse.value.abs();
+        // One seed has no interval, and no error none that is a share of it.
+        let half = if half.is_finite() { format!("± {half:>6.1} %") } else { "-".to_owned() };
         let bias = row.relative_bias_squared.map_or("-".to_owned(), |bias| format!("{:.2e}", bias.value));
         text += &format!(
-            "{:name$} {:>8} {:>5} {:>11.4e} {:>11.4e} ± {:>6.1} % {:>10.4} {bias:>10}{}\n",
+            "{:name$} {:>8} {:>5} {:>11.4e} {:>11.4e} {:>10} {:>10.4} {bias:>10}{}\n",
             row.variant,
             row.samples_per_pixel,
             row.seeds.len(),

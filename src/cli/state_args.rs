@@ -11,6 +11,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+/// Seconds from one state to the next, if nothing is said.
+const SAVE_EVERY: f64 = 30.0;
+
 #[derive(clap::Args, Clone)]
 pub struct StateArgs {
     /// Keep the render's state in this file, to go on with it (--resume) or to merge it (`octolux merge`)
@@ -22,9 +25,9 @@ pub struct StateArgs {
     /// Render samples A to B − 1 of each pixel, for merging: A is a multiple of 64, and so is B but in the last part
     #[arg(long, value_name = "A..B", value_parser = parse_samples, conflicts_with_all = ["spp", "resume"])]
     samples: Option<Range<u64>>,
-    /// With --state: also save after this many seconds, again and again
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, value_parser = super::render::positive)]
-    save_every: f64,
+    /// With --state or --resume: also save after this many seconds, again and again [default: 30]
+    #[arg(long, value_name = "SECONDS", value_parser = super::render::positive)]
+    save_every: Option<f64>,
 }
 
 fn parse_samples(text: &str) -> Result<Range<u64>, String> {
@@ -54,7 +57,7 @@ impl StateArgs {
     }
 
     pub fn save_every(&self) -> Duration {
-        Duration::try_from_secs_f64(self.save_every).unwrap_or(Duration::MAX)
+        Duration::try_from_secs_f64(self.save_every.unwrap_or(SAVE_EVERY)).unwrap_or(Duration::MAX)
     }
 
     /// Samples a pixel that --samples asks for.
@@ -66,8 +69,11 @@ impl StateArgs {
         self.resume.is_some()
     }
 
-    /// A state that is there already is nobody's to overwrite but the one's who resumes it.
+    /// That there is a state to save often; one that is there already is nobody's to overwrite but the one's who resumes it.
     pub fn check(&self) -> Result<(), CliError> {
+        if self.save_every.is_some() && self.file().is_none() {
+            return Err(CliError::Usage("--save-every: there is no state to save; give --state FILE.state".into()));
+        }
         match &self.state {
             Some(path) if path.is_file() && self.resume.as_ref() != Some(path) => {
                 let path = path.display();

@@ -22,10 +22,10 @@ use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3, array};
 use crate::plan::Shading;
 
 /// Paths of a worker on their way at once: they and what waits stay in the second cache; 128 were up to 5 % slower.
-const POOL: usize = 512;
+pub(super) const POOL: usize = 512;
 
 /// Packets traced together.
-const TOGETHER: usize = 8;
+pub(super) const TOGETHER: usize = 8;
 
 // A packet may go beyond the pool, and what is stored of it a register further.
 const _: () = assert!(POOL + 3 * MAX_WIDTH <= ROOM);

@@ -266,6 +266,7 @@ fn arguments_out_of_range_are_refused() {
         &["bench", "scene.toml", "--json", "no/such/folder.json"],
         &["render", "scene.toml", "--png", "a.png", "--exposure", "nan"],
         &["render", "scene.toml", "--png", "a.png", "--ladder", "1,2", "--unbiased"],
+        &["render", "scene.toml", "--spp", "1", "--save-every", "5"],
         &["estimate", "interval", "--f", "1/x", "--range", "0,1"],
         &["converge", "scene.toml", "-o", "study", "--variants", "x: --unbiased"],
         &["compare", "scene.toml", "floor.obj"],

@@ -2,8 +2,9 @@
 //! what falls away is made up for, so that packets stay full. Splats of a path come in the path's own order.
 
 use super::super::cutout;
-use super::super::queue::{Queue, ROOM};
+use super::super::queue::Queue;
 use super::super::tile::{Counters, lanes_of};
+use super::super::wave::{POOL, TOGETHER};
 use super::super::world::World;
 use super::LightPaths;
 use super::rows::*;
@@ -34,12 +35,6 @@ pub struct Splat {
     /// Radiance.
     pub rgb: [f32; 3],
 }
-
-/// As for camera paths.
-const POOL: usize = 512;
-const TOGETHER: usize = 8;
-// A packet may go beyond the pool, and what is stored of it a register further.
-const _: () = assert!(POOL + 3 * MAX_WIDTH <= ROOM);
 
 /// Traces a job's light paths and appends what they splat: those of one path in the path's order, paths in any.
 pub fn trace<R: Real>(world: &World, job: &LightJob, splats: &mut Vec<Splat>, counters: &mut Counters) {

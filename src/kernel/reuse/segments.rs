@@ -3,11 +3,9 @@
 use crate::accel::{Built, Shadow};
 use crate::geometry::Ray;
 use crate::kernel::tile::Counters;
+use crate::kernel::wave::TOGETHER;
 use crate::kernel::world::World;
 use crate::lane::{Mask, Real, Vec3};
-
-/// Packets of segments traced together.
-const TOGETHER: usize = 8;
 
 /// Segments that wait to be traced together.
 pub struct Segments<R: Real> {
