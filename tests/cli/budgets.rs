@@ -177,3 +177,28 @@ fn ctrl_c_in_the_first_pass_leaves_no_black_tiles() {
     assert!(said.contains("nothing was written") && output.status.code() == Some(2), "{said}");
     assert_eq!(std::fs::read(scratch.path("a.exr")).unwrap(), b"an image of yesterday");
 }
+
+/// The pilot of a fixed number takes a part of the time alone, and rates are of the seconds that made the image.
+#[test]
+fn a_pilot_leaves_time_for_the_image() {
+    let scratch = Scratch::new();
+    let report = scratch.json(&[
+        "render",
+        "scene.toml",
+        "--error",
+        "0.0001",
+        "--unbiased",
+        "--time",
+        "2",
+        "-o",
+        "a.exr",
+        "--json",
+        "-",
+        "--quiet",
+    ]);
+    let seconds = |name: &str| report[name].as_f64().unwrap();
+    let (all, pilot) = (seconds("render_seconds"), seconds("discarded_seconds"));
+    assert!(pilot > 0.0 && pilot < 0.5 * all, "{pilot} of {all}");
+    let rate = seconds("paths") / (all - pilot);
+    assert!((seconds("paths_per_second") / rate - 1.0).abs() < 1e-6, "{report}");
+}

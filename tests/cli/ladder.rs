@@ -83,3 +83,13 @@ fn a_ladder_without_a_reference_estimates_and_needs_a_png() {
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("--size 8x8"));
 }
+
+/// A rung that is not whole is no rung; without any there is no sheet, and a script is told.
+#[test]
+fn a_ladder_interrupted_before_its_first_rung_is_an_error() {
+    let scratch = Scratch::new();
+    let output = scratch.interrupted(&["render", "scene.toml", "--png", "a.png", "--ladder", "1000000000", "--quiet"]);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("first rung") && said.lines().count() == 1 && !scratch.path("a.png").exists(), "{said}");
+}

@@ -17,7 +17,8 @@
 //!   counts as sampled from all (x_k, y_j) by their BSDFs.
 //!
 //! Emission of y_j itself, and of a z_j met by way of a lobe, stays with the path that found it, as its share of the light (the
-//! other is that of the light sample). So do paths that meet a delta, and those that meet a dielectric from behind. Errors of the pixels of a group are correlated.
+//! other is that of the light sample). So do paths that meet a delta, and those that meet a dielectric from behind. Errors of the
+//! pixels of a group are correlated.
 
 mod connect;
 mod finds;
