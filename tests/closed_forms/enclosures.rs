@@ -33,7 +33,7 @@ fn enclosures_cut_at_n_bounces() {
         cases.push((case.id, reflectance, bounces, case.value));
     }
     for (name, reflectance, bounces, expected) in cases {
-        let film = render(&enclosure(reflectance, 1.0, bounces).finish(), 16_384 / u64::from(bounces + 8));
+        let film = render(&enclosure(reflectance, 1.0, bounces).finish(), 8192 / u64::from(bounces + 8));
         assert_image_mean(&name, &film, [expected; 3], rounding(expected, bounces), TESTS);
     }
 }

@@ -60,7 +60,7 @@ fn mean_and_variance(roulette: Roulette, rho: f64, bounces: u32) -> (f64, f64) {
 }
 
 fn check(roulette: Roulette, reflectance: f32, bounces: u32) {
-    const SAMPLES: u64 = 1024;
+    const SAMPLES: u64 = 256;
     let film = mirrors(roulette, reflectance, bounces, SAMPLES);
     let rho = f64::from(reflectance);
     let (mean, expected) = mean_and_variance(roulette, rho, bounces);

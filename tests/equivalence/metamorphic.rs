@@ -6,7 +6,7 @@ use octolux::plan::Force;
 use octolux::sampling::SamplerKind;
 use octolux::scene::{DeltaLight, Scene};
 
-const SAMPLES: u64 = 8;
+const SAMPLES: u64 = 4;
 const SEED: u64 = 22;
 
 /// The scene with all lengths multiplied by 2ᵏ, exactly.

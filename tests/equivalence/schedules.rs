@@ -7,7 +7,7 @@ use octolux::plan::{Force, GeometryMode, Plan, Shading};
 use octolux::render::thread_pool;
 use octolux::sampling::SamplerKind;
 
-const SAMPLES: u64 = 8;
+const SAMPLES: u64 = 4;
 const SEED: u64 = 21;
 
 /// Against the general kernel at width 1 with a tree, on one thread.

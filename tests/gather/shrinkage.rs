@@ -57,7 +57,7 @@ fn pixels(film: &Film) -> impl Iterator<Item = [f64; 3]> {
 fn squares(scene: &Scene, seeds: std::ops::Range<u64>) -> (Vec<[f64; 3]>, f64) {
     // The same camera rays with a thousand directions would share the pixel's own noise; on these planes there is next to none.
     let many = Gather { samples: 1024, sets: 64, ..gather(GatherMethod::McIs) };
-    let reference = renders::film(&renders::world(&gathered(scene, many), 99), 32);
+    let reference = renders::film(&renders::world(&gathered(scene, many), 99), 12);
     let of_seed = |seed: u64| {
         three().map(|settings| {
             let film = renders::film(&renders::world(&gathered(scene, settings), seed), 1);

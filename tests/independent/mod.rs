@@ -35,7 +35,7 @@ fn compare(name: &str, scene: &Scene, spp: u32, block: usize) {
 /// All materials, smooth normals, both kinds of emitters, an image environment.
 #[test]
 fn everything() {
-    compare("everything", &scenes::everything(), 4096, 5);
+    compare("everything", &scenes::everything(), 2048, 5);
 }
 
 /// The same by area lights alone, which an environment's light would drown.
@@ -43,7 +43,7 @@ fn everything() {
 fn everything_but_the_sky() {
     let mut scene = scenes::everything();
     scene.environment = None;
-    compare("everything but the sky", &scene, 4096, 5);
+    compare("everything but the sky", &scene, 2048, 5);
 }
 
 /// Texels, poles and the seam of an environment image, from a diffuse plain and two spheres.
@@ -51,24 +51,24 @@ fn everything_but_the_sky() {
 fn spheres_under_a_sky() {
     let scene = scenes::spheres_under_a_sky();
     assert!(matches!(scene.environment, Some(Environment::Image(_))));
-    compare("spheres under a sky", &scene, 8192, 5);
+    compare("spheres under a sky", &scene, 4096, 5);
 }
 
 /// Phong and coated spheres by point, directional and spot light through a lens; the oracle adds up every light.
 #[test]
 fn stage_lights() {
-    compare("stage lights", &scenes::stage_lights(false), 4096, 5);
-    compare("stage lights under a turned sky", &scenes::stage_lights(true), 4096, 5);
+    compare("stage lights", &scenes::stage_lights(false), 2048, 5);
+    compare("stage lights under a turned sky", &scenes::stage_lights(true), 2048, 5);
 }
 
 /// Vertex normals that point anywhere: what counts, and what fades, is told by both normals.
 #[test]
 fn crumpled_ball() {
-    compare("crumpled ball from outside", &scenes::crumpled_ball(true), 4096, 5);
-    compare("crumpled ball from inside", &scenes::crumpled_ball(false), 2048, 5);
+    compare("crumpled ball from outside", &scenes::crumpled_ball(true), 2048, 5);
+    compare("crumpled ball from inside", &scenes::crumpled_ball(false), 1024, 5);
 }
 
 #[test]
 fn lambert_room() {
-    compare("lambert room", &scenes::lambert_room(), 4096, 4);
+    compare("lambert room", &scenes::lambert_room(), 2048, 4);
 }

@@ -35,13 +35,13 @@ const SEEDS: u64 = 32;
 const ADAPTIVE_SEEDS: u64 = 12;
 
 const CASES: [Case; 11] = [
-    Case { name: "cornell", samples: 8, blocks: 16, c: Some(0.273) },
+    Case { name: "cornell", samples: 4, blocks: 16, c: Some(0.273) },
     Case { name: "cornell_direct", samples: 4, blocks: 16, c: Some(0.023) },
-    Case { name: "veach_mis", samples: 4, blocks: 16, c: Some(0.438) },
+    Case { name: "veach_mis", samples: 3, blocks: 16, c: Some(0.438) },
     Case { name: "env", samples: 4, blocks: 16, c: Some(0.298) },
-    Case { name: "glass", samples: 8, blocks: 8, c: Some(2.65) },
-    Case { name: "many_lights", samples: 6, blocks: 0, c: Some(17.9) },
-    Case { name: "door_ajar", samples: 16, blocks: 0, c: Some(24.9) },
+    Case { name: "glass", samples: 4, blocks: 8, c: Some(2.65) },
+    Case { name: "many_lights", samples: 4, blocks: 0, c: Some(17.9) },
+    Case { name: "door_ajar", samples: 8, blocks: 0, c: Some(24.9) },
     Case { name: "furnace_diffuse05", samples: 8, blocks: 8, c: None },
     Case { name: "furnace_ggx_a0.2", samples: 8, blocks: 8, c: None },
     Case { name: "furnace_ggx_a1", samples: 8, blocks: 8, c: None },

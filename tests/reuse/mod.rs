@@ -89,7 +89,7 @@ fn in_rough_glass() -> Scene {
 
 /// Blocks along each side of the image.
 const BLOCKS: u32 = 4;
-const SEEDS: u64 = 1500;
+const SEEDS: u64 = 1000;
 
 /// Mean of each block of pixels and channel, over seeds.
 fn block_means(scene: &Scene, first_seed: u64) -> Vec<Moments> {
