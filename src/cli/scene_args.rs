@@ -20,7 +20,7 @@ pub struct SceneArgs {
     /// Seed of every random number
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// How the samples of a pixel relate: even (scrambled Sobol' points) or independent
+    /// How samples relate: even over a pixel and a block of pixels (scrambled Sobol' points), or independent
     #[arg(long, value_enum, default_value_t = SamplerKind::Sobol)]
     pub sampler: SamplerKind,
     /// Trace paths from the lights, too [default: as the scene says, else auto: where the plan finds that they pay]

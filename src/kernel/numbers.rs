@@ -4,26 +4,26 @@ use super::world::World;
 use crate::lane::Real;
 use crate::own::Numbers;
 use crate::sampling::dimensions::{BOUNCE, CAMERA, OPACITY};
-use crate::sampling::{ONE_BELOW, Sampler};
+use crate::sampling::{ONE_BELOW, Sampler, Site};
 
 impl World {
-    /// Starts sample `sample` of `pixel` in `lane`. A program's own numbers know no seed.
+    /// Starts sample `sample` of `site` in `lane`. A program's own numbers know no seed.
     #[inline(always)]
-    pub(super) fn seed_numbers<R: Real>(&self, rng: &mut Sampler<R>, lane: usize, seed: u64, pixel: u32, sample: u32) {
+    pub(super) fn seed_numbers<R: Real>(&self, rng: &mut Sampler<R>, lane: usize, seed: u64, site: Site, sample: u32) {
         match self.numbers {
-            None => rng.seed_lane(self.sampler, lane, seed, pixel, sample),
-            Some(_) => rng.name_lane(lane, pixel, sample),
+            None => rng.seed_lane(self.sampler, lane, seed, site, sample),
+            Some(_) => rng.name_lane(lane, site.pixel, sample),
         }
     }
 
-    /// Samples `first` … of `pixel`, one a lane.
+    /// Samples `first` … of `site`, one a lane.
     #[inline(always)]
-    pub(super) fn numbers_of_pixel<R: Real>(&self, seed: u64, pixel: u32, first: u32) -> Sampler<R> {
+    pub(super) fn numbers_of_site<R: Real>(&self, seed: u64, site: Site, first: u32) -> Sampler<R> {
         if self.numbers.is_none() {
-            return Sampler::of_pixel(self.sampler, seed, pixel, first);
+            return Sampler::of_site(self.sampler, seed, site, first);
         }
         let mut rng = Sampler::idle();
-        (0..R::WIDTH).for_each(|lane| rng.name_lane(lane, pixel, first + lane as u32));
+        (0..R::WIDTH).for_each(|lane| rng.name_lane(lane, site.pixel, first + lane as u32));
         rng
     }
 

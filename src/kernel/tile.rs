@@ -6,8 +6,8 @@ use crate::accel::Mode;
 use crate::film::AovSample;
 use crate::geometry::{Hit, Ray};
 use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
-use crate::sampling::Sampler;
 use crate::sampling::dimensions::{LENS, PIXEL};
+use crate::sampling::{Sampler, Site};
 use core::marker::PhantomData;
 
 /// Pixels and samples to render together.
@@ -217,11 +217,11 @@ impl<'a, R: Real> CameraQueue<'a, R> {
         }
         let (px, py) = (job.x + self.column, job.y + self.row);
         if job.samples - self.sample >= R::WIDTH as u32 {
-            let (pixel, sample) = (py * self.world.film.width + px, job.first_sample + self.sample);
+            let (site, sample) = (self.site(px, py), job.first_sample + self.sample);
             let slot = R::Bits::splat(self.slot) + R::Bits::from_fn(|lane| lane as u32);
             self.step(R::WIDTH as u32);
             return Some(Started {
-                rng: self.world.numbers_of_pixel(self.world.seed, pixel, sample),
+                rng: self.world.numbers_of_site(self.world.seed, site, sample),
                 x: R::splat(px as f32),
                 y: R::splat(py as f32),
                 slot,
@@ -229,6 +229,11 @@ impl<'a, R: Real> CameraQueue<'a, R> {
             });
         }
         Some(self.start_one_by_one())
+    }
+
+    #[inline(always)]
+    fn site(&self, x: u32, y: u32) -> Site {
+        Site::of_pixel(x, y, self.world.film.width)
     }
 
     /// The same where they are of several pixels.
@@ -240,9 +245,8 @@ impl<'a, R: Real> CameraQueue<'a, R> {
         let mut made = 0;
         while made < R::WIDTH && self.row < job.height {
             let (px, py) = (job.x + self.column, job.y + self.row);
-            let pixel = py * self.world.film.width + px;
             let sample = job.first_sample + self.sample;
-            self.world.seed_numbers(&mut rng, made, self.world.seed, pixel, sample);
+            self.world.seed_numbers(&mut rng, made, self.world.seed, self.site(px, py), sample);
             x.set_lane(made, px as f32);
             y.set_lane(made, py as f32);
             slot.set_lane(made, self.slot);

@@ -8,6 +8,7 @@ mod frame;
 mod key;
 mod mix;
 mod sampler;
+pub mod site;
 pub mod sobol;
 mod sobol_table;
 pub mod warp;
@@ -17,6 +18,7 @@ pub use frame::Frame;
 pub use key::{child_key, sample_key};
 pub use mix::{mix3, to_unit};
 pub use sampler::{Sampler, SamplerKind};
+pub use site::Site;
 pub use xoshiro::Xoshiro;
 
 use crate::lane::Real;

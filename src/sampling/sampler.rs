@@ -1,6 +1,7 @@
 //! The numbers of a path, by one of two samplers: a function of (seed, pixel, sample, dimension) with either.
 
 use super::dimensions::*;
+use super::site::{INDEX, INDEX_BITS, Site};
 use super::sobol::{self, Key, PairSet};
 use super::{Xoshiro, sample_key, to_unit};
 use crate::lane::{Bits, Mask, Real, array};
@@ -11,7 +12,8 @@ use crate::lane::{Bits, Mask, Real, array};
 pub enum SamplerKind {
     /// Owen-scrambled Sobol' points, padded in pairs of dimensions: the numbers of one purpose fill their range evenly over
     /// the samples of a pixel, and so do the place in the pixel and the first vertex's point on a light, or its
-    /// direction, together. Pixels are scrambled independently.
+    /// direction, together. So, nearly, do those of all pixels of a block ([`site`](super::site)); blocks are scrambled
+    /// independently.
     Sobol,
     /// Independent numbers (xoshiro128++): the variance of a pixel's mean is s²/n.
     #[default]
@@ -31,7 +33,7 @@ impl SamplerKind {
 /// One stream of numbers a lane.
 ///
 /// Both samplers keep their state in the same four words, so that paths move between lanes alike: xoshiro's state, or
-/// the reversed sample index, the two halves of the pixel's key, and the index.
+/// the reversed sample index, the two halves of the block's key, and the index with the pixel's place in the block above it.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler<R: Real>(Xoshiro<R>);
 
@@ -55,29 +57,35 @@ impl<R: Real> Sampler<R> {
         Self(Xoshiro::from_keys(key))
     }
 
-    /// Starts sample `sample` of `pixel` in `lane`.
+    /// Starts sample `sample` of `site` in `lane`.
     #[inline]
-    pub fn seed_lane(&mut self, kind: SamplerKind, lane: usize, seed: u64, pixel: u32, sample: u32) {
+    pub fn seed_lane(&mut self, kind: SamplerKind, lane: usize, seed: u64, site: Site, sample: u32) {
         match kind {
-            SamplerKind::Independent => self.0.seed_lane(lane, sample_key(seed, pixel, sample)),
+            SamplerKind::Independent => self.0.seed_lane(lane, sample_key(seed, site.pixel, sample)),
             SamplerKind::Sobol => {
-                let key = sample_key(seed, pixel, 0);
-                let words = [sample.reverse_bits(), key as u32, (key >> 32) as u32, sample];
+                let (key, word) = site.point(seed, sample);
+                let words = [(word & INDEX).reverse_bits(), key as u32, (key >> 32) as u32, word];
                 self.0.s.iter_mut().zip(words).for_each(|(s, word)| s.set_lane(lane, word));
             }
         }
     }
 
-    /// Samples `first` … of `pixel`, one a lane.
+    /// Samples `first` … of `site`, one a lane.
     #[inline(always)]
-    pub fn of_pixel(kind: SamplerKind, seed: u64, pixel: u32, first: u32) -> Self {
-        let sample = R::Bits::splat(first) + R::Bits::from_fn(|lane| lane as u32);
+    pub fn of_site(kind: SamplerKind, seed: u64, site: Site, first: u32) -> Self {
+        let one_key = (first & INDEX) <= INDEX - (R::WIDTH as u32 - 1);
         match kind {
-            SamplerKind::Independent => Self::independent(|lane| sample_key(seed, pixel, first + lane as u32)),
-            SamplerKind::Sobol => {
-                let key = sample_key(seed, pixel, 0);
+            SamplerKind::Independent => Self::independent(|lane| sample_key(seed, site.pixel, first + lane as u32)),
+            SamplerKind::Sobol if one_key => {
+                let (key, word) = site.point(seed, first);
+                let word = R::Bits::splat(word) + R::Bits::from_fn(|lane| lane as u32);
                 let [low, high] = [key as u32, (key >> 32) as u32].map(R::Bits::splat);
-                Self(Xoshiro { s: [sample.reverse_bits(), low, high, sample] })
+                Self(Xoshiro { s: [(word & R::Bits::splat(INDEX)).reverse_bits(), low, high, word] })
+            }
+            SamplerKind::Sobol => {
+                let mut sampler = Self::idle();
+                (0..R::WIDTH).for_each(|lane| sampler.seed_lane(kind, lane, seed, site, first + lane as u32));
+                sampler
             }
         }
     }
@@ -174,10 +182,11 @@ impl<R: Real> Sampler<R> {
             of_position = R::Bits::select(first, a, of_position);
             of_direction = R::Bits::select(first, b, of_direction);
         }
-        [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]] = array::map(position.pair(of_position), to_unit);
+        [u[LIGHT_POSITION], u[LIGHT_POSITION + 1]] = array::map(position.pair(of_position, self.place()), to_unit);
         [u[LIGHT_CHOICE], u[BSDF_LOBE]] = self.pair(Self::set(bounce, 2));
         if scatters {
-            [u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]] = array::map(direction.pair(of_direction), to_unit);
+            [u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]] =
+                array::map(direction.pair(of_direction, self.place()), to_unit);
             u[ROULETTE] = self.hashed(Self::set(bounce, 3));
         }
         u
@@ -191,7 +200,12 @@ impl<R: Real> Sampler<R> {
     #[inline(always)]
     fn pair(&self, set: R::Bits) -> [R; 2] {
         let set = PairSet::new(self.key(), set);
-        array::map(set.pair(set.shuffle(self.0.s[0])), to_unit)
+        array::map(set.pair(set.shuffle(self.0.s[0]), self.place()), to_unit)
+    }
+
+    #[inline(always)]
+    fn place(&self) -> R::Bits {
+        self.0.s[3].shr::<INDEX_BITS>()
     }
 
     #[inline(always)]

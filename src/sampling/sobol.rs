@@ -9,6 +9,7 @@
 //! permutation, which leaves any aligned block of 2^k indices a block.
 
 pub use super::mix::to_unit;
+use super::site::apart;
 use super::sobol_table::{COLUMNS, DIMENSIONS};
 use crate::lane::{Bits, Real};
 
@@ -75,13 +76,23 @@ impl<R: Real> PairSet<R> {
         laine_karras::<R>(reversed_index, self.of_set).reverse_bits()
     }
 
-    /// The pair of a shuffled index, scrambled as the set says: over aligned blocks of 2^k samples a (0, k, 2)-net.
+    /// The pair of a shuffled index at `place` < 64, scrambled as the set says: over aligned blocks of 2^k samples a
+    /// (0, k, 2)-net at each place, and nearly one at all places together (see [`apart`]).
     #[inline(always)]
-    pub fn pair(self, shuffled: R::Bits) -> [R::Bits; 2] {
-        let second = pascal::<R>(shuffled);
+    pub fn pair(self, shuffled: R::Bits, place: R::Bits) -> [R::Bits; 2] {
+        let [a, b] = apart::<R>(self.shuffle_place(place));
+        let (first, second) = (shuffled ^ a, pascal::<R>(shuffled) ^ b);
         // One more mixing each: seeds that only differ by a constant would scramble both dimensions alike.
         let seeds = [0x7f4a_7c15, 0x94d0_49bb].map(|salt| mix::<R>(self.of_set + R::Bits::splat(salt)));
-        [laine_karras::<R>(shuffled, seeds[0]).reverse_bits(), laine_karras::<R>(second, seeds[1]).reverse_bits()]
+        [laine_karras::<R>(first, seeds[0]).reverse_bits(), laine_karras::<R>(second, seeds[1]).reverse_bits()]
+    }
+
+    /// The set's own order of the places: in one order for all sets the digits of one would say those of the others, for a whole
+    /// block at once. Aligned blocks stay such blocks, as by [`laine_karras`]; bits beyond a place's mean nothing.
+    #[inline(always)]
+    fn shuffle_place(self, place: R::Bits) -> R::Bits {
+        let x = (place + self.of_set.shr::<8>()) * (self.of_set.shr::<16>() | R::Bits::splat(1));
+        x ^ (x * R::Bits::splat(0x0552_6c56))
     }
 }
 

@@ -61,11 +61,12 @@ fn stage_lights() {
     compare("stage lights under a turned sky", &scenes::stage_lights(true), 2048, 5);
 }
 
-/// Vertex normals that point anywhere: what counts, and what fades, is told by both normals.
+/// Vertex normals that point anywhere: what counts, and what fades, is told by both normals. Light that the ball throws far away is
+/// rare: of half the samples the spread does not tell how much of it there is.
 #[test]
 fn crumpled_ball() {
-    compare("crumpled ball from outside", &scenes::crumpled_ball(true), 2048, 5);
-    compare("crumpled ball from inside", &scenes::crumpled_ball(false), 1024, 5);
+    compare("crumpled ball from outside", &scenes::crumpled_ball(true), 4096, 5);
+    compare("crumpled ball from inside", &scenes::crumpled_ball(false), 2048, 5);
 }
 
 #[test]

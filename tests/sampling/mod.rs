@@ -4,5 +4,6 @@ pub mod draw;
 mod frame;
 mod random;
 mod sampler;
+mod site;
 mod sobol;
 mod warp;

@@ -1,7 +1,7 @@
 //! The path's sampler: the same numbers at any width, even where it says so, and none where it does not.
 
 use octolux::lane::{Bits, Mask, Real, f32x8, f32x16};
-use octolux::sampling::{Sampler, SamplerKind, dimensions};
+use octolux::sampling::{Sampler, SamplerKind, Site, dimensions};
 
 const SEED: u64 = 7;
 /// What a path draws; the next is gather's, whose rays are independent.
@@ -10,7 +10,7 @@ const DRAWN: usize = dimensions::ROTATION;
 /// The numbers of `bounce` for samples `first` … of a pixel, one a lane.
 fn bounce<R: Real>(kind: SamplerKind, pixel: u32, first: u32, bounce: u32) -> [R; dimensions::BOUNCE] {
     let mut sampler = Sampler::<R>::idle();
-    (0..R::WIDTH).for_each(|i| sampler.seed_lane(kind, i, SEED, pixel, first + i as u32));
+    (0..R::WIDTH).for_each(|i| sampler.seed_lane(kind, i, SEED, Site::alone(pixel), first + i as u32));
     sampler.camera_dims(kind, true);
     let mut u = sampler.bounce_dims(kind, R::zero());
     for b in 1..=bounce {
@@ -89,7 +89,7 @@ fn dimensions_bounces_and_pixels_are_uncorrelated() {
 fn the_number_for_cut_outs_is_that_of_the_bounce() {
     for kind in [SamplerKind::Sobol, SamplerKind::Independent] {
         let mut sampler = Sampler::<f32x8>::idle();
-        (0..8).for_each(|i| sampler.seed_lane(kind, i, SEED, i as u32, 5));
+        (0..8).for_each(|i| sampler.seed_lane(kind, i, SEED, Site::alone(i as u32), 5));
         sampler.camera_dims(kind, false);
         let before = sampler.opacity(kind, f32x8::zero());
         let drawn = sampler.bounce_dims(kind, f32x8::zero())[dimensions::OPACITY];

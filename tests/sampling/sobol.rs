@@ -25,7 +25,9 @@ fn agrees_with_one_lane<R: Real>() {
                 let (many, few) = (sobol::owen_2d::<R>(index, key, set), sobol::owen_2d::<f32>(one, alone, set));
                 (0..2).for_each(|d| assert_eq!(many[d].lane(lane), value(few[d])));
                 let (sets, own) = (PairSet::new(key, R::Bits::splat(set)), PairSet::new(alone, One::splat(set)));
-                let (many, few) = (sets.pair(sets.shuffle(index)), own.pair(own.shuffle(one)));
+                let place = R::Bits::from_fn(|lane| lane as u32 * 5 % 64);
+                let (many, few) =
+                    (sets.pair(sets.shuffle(index), place), own.pair(own.shuffle(one), One::splat(place.lane(lane))));
                 (0..2).for_each(|d| assert_eq!(many[d].lane(lane), value(few[d])));
             }
             let (many, few) = (sobol::beside::<R>(index), sobol::beside::<f32>(one));
@@ -66,11 +68,12 @@ fn aligned_blocks_are_nets_before_and_after_scrambling() {
             let points = indices.clone().map(|i| sobol::owen_2d::<f32>(One::splat(i), key(seed), set).map(value));
             assert!(is_net(&points.collect::<Vec<_>>()), "2-D, key {seed}, block {block} of 2^{k}");
             let pairs = PairSet::new(key(seed), One::splat(set));
+            let place = One::splat(7 * seed as u32 % 64);
             let order = indices.clone().map(|i| pairs.shuffle(One::splat(i.reverse_bits())));
             let points: Vec<[[u32; 2]; 3]> = order
                 .map(|x| {
                     let [a, b] = sobol::beside::<f32>(x);
-                    [x, a, b].map(|x| pairs.pair(x).map(value))
+                    [x, a, b].map(|x| pairs.pair(x, place).map(value))
                 })
                 .collect();
             for k in 0..3 {
@@ -136,10 +139,11 @@ fn pairs_beside_one_another_make_nets_of_four_dimensions() {
 #[test]
 fn scrambled_pairs_beside_one_another_stay_nets() {
     let (pixel, light) = (PairSet::new(key(1), One::splat(0)), PairSet::new(key(1), One::splat(3)));
-    let order = |i: u32| pixel.shuffle(One::splat(i.reverse_bits()));
+    let (place, order) = (One::splat(29), |i: u32| pixel.shuffle(One::splat(i.reverse_bits())));
     let join = |[a, b]: [One; 2], [c, d]: [One; 2]| [a, b, c, d].map(value);
-    let scrambled = |i: u32| join(pixel.pair(order(i)), light.pair(sobol::beside::<f32>(order(i))[0]));
-    let padded = |i: u32| join(pixel.pair(order(i)), light.pair(light.shuffle(One::splat(i.reverse_bits()))));
+    let scrambled = |i: u32| join(pixel.pair(order(i), place), light.pair(sobol::beside::<f32>(order(i))[0], place));
+    let padded =
+        |i: u32| join(pixel.pair(order(i), place), light.pair(light.shuffle(One::splat(i.reverse_bits())), place));
     assert_eq!(quality(&(0..1 << 10).map(scrambled).collect::<Vec<_>>()), 3);
     assert!(quality(&(0..1 << 10).map(padded).collect::<Vec<_>>()) > 4);
 }

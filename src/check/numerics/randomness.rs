@@ -2,7 +2,7 @@
 
 use super::{Effort, Row};
 use crate::lane::{Real, f32x8};
-use crate::sampling::{Sampler, SamplerKind, dimensions};
+use crate::sampling::{Sampler, SamplerKind, Site, dimensions};
 use rayon::prelude::*;
 
 const GROUP: &str = "random numbers";
@@ -21,7 +21,7 @@ type Beside = fn(u32) -> [Sample; 2];
 pub fn rows(effort: Effort) -> Vec<Row> {
     let pairs = effort.pick(1 << 17, 1 << 22, 1 << 27);
     let beside: [(&str, Beside); 4] = [
-        ("neighbouring pixels", |k| [(1, 2 * k, 3), (1, 2 * k + 1, 3)]),
+        ("neighbouring pixels (of Sobol' points, blocks of them)", |k| [(1, 2 * k, 3), (1, 2 * k + 1, 3)]),
         ("seeds one apart", |k| [(1, k, 3), (2, k, 3)]),
         ("a pixel's sample and the sample's pixel", |k| [(1, k, k / 2 + 1), (1, k / 2 + 1, k)]),
         // Of Sobol' points those of one pixel are to differ from each other: that is what they are for.
@@ -41,7 +41,7 @@ fn draws(kind: SamplerKind, sample: impl Fn(usize) -> Sample) -> [f32x8; DIMENSI
     let mut sampler = Sampler::<f32x8>::idle();
     for lane in 0..8 {
         let (seed, pixel, index) = sample(lane);
-        sampler.seed_lane(kind, lane, seed, pixel, index);
+        sampler.seed_lane(kind, lane, seed, Site::alone(pixel), index);
     }
     let (camera, bounce) = (sampler.camera_dims(kind, true), sampler.bounce_dims(kind, f32x8::zero()));
     std::array::from_fn(|d| if d < dimensions::CAMERA { camera[d] } else { bounce[d - dimensions::CAMERA] })

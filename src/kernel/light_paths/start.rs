@@ -10,7 +10,7 @@ use crate::geometry::{Hit, Ray, SurfacePoint, inner_weights, offset_origin, sphe
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::light::LightSample;
 use crate::sampling::dimensions::*;
-use crate::sampling::{Frame, Sampler, warp};
+use crate::sampling::{Frame, Sampler, Site, warp};
 
 /// Sets the numbers of light paths apart from those of the camera's: the fraction of √5.
 const LIGHT_SEED: u64 = 0x3c6e_f372_fe94_f82b;
@@ -26,7 +26,7 @@ pub fn start<R: Real>(world: &World, paths: &LightPaths, job: &LightJob, next: u
         // All paths of all samples make one sequence, so that they fill the lights and directions evenly together.
         let number = u64::from(job.sample) * u64::from(paths.count) + u64::from(job.first + next + lane);
         let (high, low) = ((number >> 32) as u32, number as u32);
-        rng.seed_lane(world.sampler, lane as usize, world.seed ^ LIGHT_SEED, high, low);
+        rng.seed_lane(world.sampler, lane as usize, world.seed ^ LIGHT_SEED, Site::alone(high), low);
         slot.set_lane(lane as usize, next + lane);
     }
     // In the place of bounce 0: the light.

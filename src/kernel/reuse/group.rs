@@ -8,11 +8,13 @@ use crate::kernel::shade::Shade;
 use crate::kernel::tile::{Counters, Job, SampleBuffer};
 use crate::kernel::world::World;
 use crate::lane::{Bits, Real, Vec3};
-use crate::sampling::sample_key;
+use crate::sampling::{sample_key, site};
 
 /// Side of the blocks of pixels that share. Of 4, 16 and blocks of 16 by 4 none was better on all scenes; pixels further
 /// apart (every other one of a block twice as large) or blocks that move from sample to sample were worse on all.
 pub const REUSE_SIDE: u32 = 8;
+// Of the same pixels are the points that are spread together.
+const _: () = assert!(REUSE_SIDE == site::BLOCK_SIDE);
 pub(super) const PIXELS: usize = (REUSE_SIDE * REUSE_SIDE) as usize;
 
 /// Tells the keys of choices from those of paths.
