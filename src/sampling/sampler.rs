@@ -12,8 +12,7 @@ use crate::lane::{Bits, Mask, Real, array};
 pub enum SamplerKind {
     /// Owen-scrambled Sobol' points, padded in pairs of dimensions: the numbers of one purpose fill their range evenly over
     /// the samples of a pixel, and so do the place in the pixel and the first vertex's point on a light, or its
-    /// direction, together. So, nearly, do those of all pixels of a block ([`site`](super::site)); blocks are scrambled
-    /// independently.
+    /// direction, together; so, nearly, do those of all pixels of a block of 8×8. Blocks are scrambled independently.
     Sobol,
     /// Independent numbers (xoshiro128++): the variance of a pixel's mean is s²/n.
     #[default]

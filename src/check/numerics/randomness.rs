@@ -21,7 +21,7 @@ type Beside = fn(u32) -> [Sample; 2];
 pub fn rows(effort: Effort) -> Vec<Row> {
     let pairs = effort.pick(1 << 17, 1 << 22, 1 << 27);
     let beside: [(&str, Beside); 4] = [
-        ("neighbouring pixels (of Sobol' points, blocks of them)", |k| [(1, 2 * k, 3), (1, 2 * k + 1, 3)]),
+        ("neighbouring pixels, or blocks that share points", |k| [(1, 2 * k, 3), (1, 2 * k + 1, 3)]),
         ("seeds one apart", |k| [(1, k, 3), (2, k, 3)]),
         ("a pixel's sample and the sample's pixel", |k| [(1, k, k / 2 + 1), (1, k / 2 + 1, k)]),
         // Of Sobol' points those of one pixel are to differ from each other: that is what they are for.
