@@ -76,6 +76,7 @@ impl RenderArgs {
     pub(super) fn world(&self) -> Result<(Scene, World, Times), CliError> {
         let force = Force { general: self.general, geometry: None };
         let (scene, world, times) = self.scene.world(force, self.aovs, self.quiet)?;
+        let world = if self.adaptive { world.with_tiles_apart() } else { world };
         match self.adaptive.then(|| world.needs_equal_samples()).flatten() {
             Some(why) => Err(CliError::Usage(format!("--adaptive: {why}"))),
             None => Ok((scene, world, times)),

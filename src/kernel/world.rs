@@ -85,8 +85,26 @@ impl World {
 
     /// Why all pixels must have the same number of samples, and what to do; `None` if they need not.
     pub fn needs_equal_samples(&self) -> Option<&'static str> {
-        let gathers = self.integrator.kind == IntegratorKind::Gather;
-        gathers.then_some("directions that `gather` shares are no samples of a pixel alone; leave --adaptive out")
+        if self.integrator.kind == IntegratorKind::Gather {
+            Some("directions that `gather` shares are no samples of a pixel alone; leave --adaptive out")
+        } else if self.pixels_share_numbers() {
+            Some("pixels of a block share a scrambling; ask for the sampler sobol-pixels")
+        } else {
+            None
+        }
+    }
+
+    /// Do pixels of what may be different tiles share a scrambling? Tiles of shared paths are whole blocks.
+    fn pixels_share_numbers(&self) -> bool {
+        self.sampler == SamplerKind::Sobol && !self.plan.path_reuse
+    }
+
+    /// The same with numbers of its own for every tile: for samples divided by what other tiles found.
+    pub fn with_tiles_apart(mut self) -> World {
+        if self.pixels_share_numbers() {
+            self.sampler = SamplerKind::SobolPixels;
+        }
+        self
     }
 
     /// A sample of some light as seen from `p`: area lights by power, or from a [table](Lights::table_at) where there is a grid.

@@ -44,8 +44,8 @@ pub struct Options {
     /// Seconds to keep in reserve for writing the image, where time is limited and [`Watch::output_seconds`] knows
     /// nothing better.
     pub output_seconds: f64,
-    /// Divide the samples by a [pilot](adaptive): the film must be empty and begin with sample 0, the integrator follow
-    /// paths.
+    /// Divide the samples by a [pilot](adaptive): the film must be empty and begin with sample 0, and the world
+    /// [not need equal samples](World::needs_equal_samples).
     pub adaptive: bool,
 }
 

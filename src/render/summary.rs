@@ -176,7 +176,7 @@ impl fmt::Display for Summary {
             self.peak_memory_bytes.unwrap_or(0) >> 20
         )?;
         if let Some(e) = self.relative_error {
-            let bound = if self.sampler == SamplerKind::Sobol {
+            let bound = if self.sampler != SamplerKind::Independent {
                 ", at most: even samples do better than s²/n says"
             } else {
                 ""

@@ -14,6 +14,10 @@ pub enum SamplerKind {
     /// the samples of a pixel, and so do the place in the pixel and the first vertex's point on a light, or its
     /// direction, together; so, nearly, do those of all pixels of a block of 8×8. Blocks are scrambled independently.
     Sobol,
+    /// The same with each pixel scrambled for itself: what `--adaptive` takes where no paths are shared, since its numbers of
+    /// samples go by what pixels nearby found.
+    #[serde(rename = "sobol-pixels")]
+    SobolPixels,
     /// Independent numbers (xoshiro128++): the variance of a pixel's mean is s²/n.
     #[default]
     Independent,
@@ -24,6 +28,7 @@ impl SamplerKind {
     pub fn name(self) -> &'static str {
         match self {
             SamplerKind::Sobol => "sobol",
+            SamplerKind::SobolPixels => "sobol-pixels",
             SamplerKind::Independent => "independent",
         }
     }
@@ -61,8 +66,8 @@ impl<R: Real> Sampler<R> {
     pub fn seed_lane(&mut self, kind: SamplerKind, lane: usize, seed: u64, site: Site, sample: u32) {
         match kind {
             SamplerKind::Independent => self.0.seed_lane(lane, sample_key(seed, site.pixel, sample)),
-            SamplerKind::Sobol => {
-                let (key, word) = site.point(seed, sample);
+            SamplerKind::Sobol | SamplerKind::SobolPixels => {
+                let (key, word) = site.under(kind).point(seed, sample);
                 let words = [(word & INDEX).reverse_bits(), key as u32, (key >> 32) as u32, word];
                 self.0.s.iter_mut().zip(words).for_each(|(s, word)| s.set_lane(lane, word));
             }
@@ -75,13 +80,13 @@ impl<R: Real> Sampler<R> {
         let one_key = (first & INDEX) <= INDEX - (R::WIDTH as u32 - 1);
         match kind {
             SamplerKind::Independent => Self::independent(|lane| sample_key(seed, site.pixel, first + lane as u32)),
-            SamplerKind::Sobol if one_key => {
-                let (key, word) = site.point(seed, first);
+            SamplerKind::Sobol | SamplerKind::SobolPixels if one_key => {
+                let (key, word) = site.under(kind).point(seed, first);
                 let word = R::Bits::splat(word) + R::Bits::from_fn(|lane| lane as u32);
                 let [low, high] = [key as u32, (key >> 32) as u32].map(R::Bits::splat);
                 Self(Xoshiro { s: [(word & R::Bits::splat(INDEX)).reverse_bits(), low, high, word] })
             }
-            SamplerKind::Sobol => {
+            SamplerKind::Sobol | SamplerKind::SobolPixels => {
                 let mut sampler = Self::idle();
                 (0..R::WIDTH).for_each(|lane| sampler.seed_lane(kind, lane, seed, site, first + lane as u32));
                 sampler
@@ -119,7 +124,7 @@ impl<R: Real> Sampler<R> {
     pub fn camera_dims(&mut self, kind: SamplerKind, lens: bool) -> [R; CAMERA] {
         match kind {
             SamplerKind::Independent => self.0.camera_dims(),
-            SamplerKind::Sobol => {
+            SamplerKind::Sobol | SamplerKind::SobolPixels => {
                 let pixel = self.pair(R::Bits::splat(PIXEL_SET));
                 let lens = if lens { self.pair(R::Bits::splat(LENS_SET)) } else { pixel };
                 [pixel[0], pixel[1], lens[0], lens[1]]
@@ -133,7 +138,7 @@ impl<R: Real> Sampler<R> {
     pub fn bounce_dims(&mut self, kind: SamplerKind, bounce: R) -> [R; BOUNCE] {
         match kind {
             SamplerKind::Independent => self.0.bounce_dims(),
-            SamplerKind::Sobol => {
+            SamplerKind::Sobol | SamplerKind::SobolPixels => {
                 let mut u = self.sobol_vertex(bounce, true);
                 u[OPACITY] = self.opacity(kind, bounce);
                 u
@@ -147,7 +152,7 @@ impl<R: Real> Sampler<R> {
     pub(crate) fn vertex_dims(&mut self, kind: SamplerKind, bounce: R, scatters: bool) -> [R; BOUNCE] {
         match kind {
             SamplerKind::Independent => self.0.bounce_dims(),
-            SamplerKind::Sobol => self.sobol_vertex(bounce, scatters),
+            SamplerKind::Sobol | SamplerKind::SobolPixels => self.sobol_vertex(bounce, scatters),
         }
     }
 
@@ -156,7 +161,7 @@ impl<R: Real> Sampler<R> {
     pub fn opacity(&self, kind: SamplerKind, bounce: R) -> R {
         match kind {
             SamplerKind::Independent => { self.0 }.bounce_dims()[OPACITY],
-            SamplerKind::Sobol => self.hashed(Self::set(bounce, OPACITY_SET)),
+            SamplerKind::Sobol | SamplerKind::SobolPixels => self.hashed(Self::set(bounce, OPACITY_SET)),
         }
     }
 

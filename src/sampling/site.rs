@@ -7,7 +7,7 @@
 //! "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels", which wants to know the
 //! number of samples beforehand; and nothing here reaches beyond a block).
 
-use super::sample_key;
+use super::{SamplerKind, sample_key};
 use crate::lane::{Bits, Real, array};
 
 /// Pixels along each side of a block. Path reuse gathers such blocks.
@@ -49,6 +49,12 @@ impl Site {
     /// Of a sequence that shares its scrambling with no other.
     pub fn alone(number: u32) -> Self {
         Self { pixel: number, block: number, place: 0 }
+    }
+
+    /// What shares its scrambling with it under a sampler.
+    #[inline(always)]
+    pub(super) fn under(self, kind: SamplerKind) -> Self {
+        if kind == SamplerKind::SobolPixels { Self::alone(self.pixel) } else { self }
     }
 
     /// The key of the points that sample `sample` is one of, and a word: its index among them, above it the place.

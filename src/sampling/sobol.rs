@@ -16,7 +16,7 @@ use crate::lane::{Bits, Real};
 /// The most dimensions one Sobol' point has here.
 pub const MAX_DIMENSIONS: usize = DIMENSIONS;
 
-/// A 64-bit key a lane, as [`super::sample_key`] makes them: for a renderer, of (seed, pixel, 0).
+/// A 64-bit key a lane, as [`super::sample_key`] makes them: for a renderer, of (seed, block of pixels, 0).
 #[derive(Clone, Copy, Debug)]
 pub struct Key<R: Real> {
     /// Of 64 bits.

@@ -324,7 +324,7 @@ fn what_light_paths_bring_that_is_no_number_is_counted() {
 
 #[test]
 fn lanes_and_threads_leave_no_trace() {
-    for sampler in [SamplerKind::Sobol, SamplerKind::Independent] {
+    for sampler in [SamplerKind::SobolPixels, SamplerKind::Independent] {
         // Without shared paths, whose tiles would be few.
         let mut scene = scenes::everything();
         scene.integrator.path_reuse = PathReuse::Off;

@@ -13,6 +13,10 @@ fn the_report_and_the_image_say_how_samples_were_divided() {
     assert_eq!(number("pilot_samples"), 32.0);
     assert!(number("least") < 128.0 && number("most") > 128.0 && number("mean") <= 128.0, "{report}");
     assert_eq!(report["samples_per_pixel"].as_f64().unwrap(), number("mean").round());
+    // Tiles that decide on each other have numbers of their own; those of shared paths are blocks that have them anyway.
+    assert_eq!(report["sampler"], "sobol-pixels");
+    let of_shared = ["render", "scene.toml", "--adaptive", "--spp", "128", "-o", "b.exr", "--json", "-", "--quiet"];
+    assert_eq!(scratch.json(&of_shared)["sampler"], "sobol");
     let image = read_exr(&scratch.path("a.exr")).unwrap();
     let samples = image.channel("samples").expect("a channel with the numbers of samples");
     let mean = samples.iter().map(|&n| f64::from(n)).sum::<f64>() / samples.len() as f64;

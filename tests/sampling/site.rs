@@ -113,6 +113,15 @@ fn packets_of_a_site_are_lane_by_lane() {
     of_site_is_lane_by_lane::<f32x16>();
 }
 
+/// Where samples are divided by what other pixels found, these must not know anything of the pixel's own.
+#[test]
+fn pixels_may_be_scrambled_for_themselves() {
+    let site = Site::of_pixel(3, 2, 64);
+    let of = |kind, site| numbers(kind, SEED, site, 9);
+    assert_eq!(of(SamplerKind::SobolPixels, site), of(SamplerKind::Sobol, Site::alone(site.pixel)));
+    assert_ne!(of(SamplerKind::SobolPixels, site), of(SamplerKind::Sobol, site));
+}
+
 /// Beyond the samples that one word has room for come others, not the same again.
 #[test]
 fn no_sample_comes_twice() {
