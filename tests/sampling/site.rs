@@ -187,7 +187,7 @@ fn what_numbers_do_together_is_independent_over_a_block() {
     let blocks = 1000u32;
     let digits = |u: f32| (u * 4.0) as u32;
     // Signs by the first digit, the second, and both.
-    let sign = |u: f32, which: u32| if (digits(u) & which).count_ones() % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = |u: f32, which: u32| if (digits(u) & which).count_ones().is_multiple_of(2) { 1.0 } else { -1.0 };
     let all: Vec<Vec<Vec<f32>>> = (0..blocks)
         .map(|block| {
             (0..64)
