@@ -2,8 +2,8 @@
 //!
 //! The first samples of every pixel, the pilot, tell each tile's error and what its samples cost. A tile's number of samples is
 //! chosen by what the pilot found in the four tiles next to it, and by nothing that it found in the tile. Pixels of different
-//! tiles have random numbers of their own ([`World::with_tiles_apart`]), so whatever the number, the tile's samples are expected to be what they are among equal
-//! numbers: none of them has to be thrown away. (A tile that decides on itself keeps a pilot that missed the light: Kirk & Arvo
+//! tiles have random numbers of their own ([`World::with_tiles_apart`]), so whatever the number, the tile's samples are expected to
+//! be what they are among equal numbers: none of them has to be thrown away. (A tile that decides on itself keeps a pilot that missed the light: Kirk & Arvo
 //! 1991, "Unbiased sampling techniques for image synthesis".) What is said of all tiles, the factor that makes the numbers add up
 //! and how far the pilot is believed, is said of the squares of a chessboard by what was found on those of the other colour.
 //!

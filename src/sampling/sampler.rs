@@ -1,4 +1,4 @@
-//! The numbers of a path, by one of two samplers: a function of (seed, pixel, sample, dimension) with either.
+//! The numbers of a path, even or independent: a function of (seed, pixel, sample, dimension) either way.
 
 use super::dimensions::*;
 use super::site::{INDEX, INDEX_BITS, Site};
