@@ -301,7 +301,7 @@ fn more_samples_than_there_are_indices() {
 #[test]
 fn no_argument_panics() {
     let scratch = Scratch::new();
-    let mut runner = TestRunner::new(Config { cases: 150, failure_persistence: None, ..Config::default() });
+    let mut runner = TestRunner::new(Config { cases: 60, failure_persistence: None, ..Config::default() });
     let piece = prop::sample::select(vec![
         "",
         "0",

@@ -35,7 +35,7 @@ fn powers_of_two_do_not_show() {
         let expected = renders::film(&renders::world(&scene, SEED), SAMPLES);
         // An intensity goes with the square of lengths, which is out of f32's range at 2¹³².
         let intensities = !scene.delta_lights.is_empty();
-        for k in [-66, -24, -1, 3, 24, 66].into_iter().filter(|k: &i32| k.abs() < 60 || !intensities) {
+        for k in [-66, -24, 3, 66].into_iter().filter(|k: &i32| k.abs() < 60 || !intensities) {
             let found = renders::film(&renders::world(&scaled(&scene, k), SEED), SAMPLES);
             assert_same(&format!("{name}, scaled by 2^{k}"), &found, &expected);
         }
