@@ -74,8 +74,8 @@ impl VarianceValidity {
     pub fn of(sampler: SamplerKind, shares_points: bool) -> Self {
         match sampler {
             _ if shares_points => Self::Shared,
-            SamplerKind::Sobol | SamplerKind::SobolPixels => Self::Correlated,
             SamplerKind::Independent => Self::Independent,
+            _ => Self::Correlated,
         }
     }
 

@@ -158,6 +158,9 @@ pub fn render_on(
 
 /// The same by a kernel of the caller's, which is called from many threads and must do for each job what it would do for
 /// it alone.
+///
+/// Panics if samples are to be divided in a world that [needs equal ones](World::needs_equal_samples): that would be a bias which
+/// nothing shows.
 pub fn render_by(
     kernel: JobKernel,
     mut film: Film,
@@ -167,6 +170,8 @@ pub fn render_by(
     progress: &mut Progress,
     watch: &mut dyn Watch,
 ) -> Outcome {
+    let equal = world.needs_equal_samples().filter(|_| options.adaptive);
+    assert!(equal.is_none(), "{equal:?}");
     let pass = Pass { world, kernel, light: select_light(world, options.width), aovs: film.channels().has_aovs() };
     let mut output = options.output_seconds;
     let mut first_pass = true;

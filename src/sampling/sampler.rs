@@ -36,7 +36,7 @@ impl SamplerKind {
 
 /// One stream of numbers a lane.
 ///
-/// Both samplers keep their state in the same four words, so that paths move between lanes alike: xoshiro's state, or
+/// All samplers keep their state in the same four words, so that paths move between lanes alike: xoshiro's state, or of Sobol' points
 /// the reversed sample index, the two halves of the block's key, and the index with the pixel's place in the block above it.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler<R: Real>(Xoshiro<R>);
@@ -66,7 +66,7 @@ impl<R: Real> Sampler<R> {
     pub fn seed_lane(&mut self, kind: SamplerKind, lane: usize, seed: u64, site: Site, sample: u32) {
         match kind {
             SamplerKind::Independent => self.0.seed_lane(lane, sample_key(seed, site.pixel, sample)),
-            SamplerKind::Sobol | SamplerKind::SobolPixels => {
+            _ => {
                 let (key, word) = site.under(kind).point(seed, sample);
                 let words = [(word & INDEX).reverse_bits(), key as u32, (key >> 32) as u32, word];
                 self.0.s.iter_mut().zip(words).for_each(|(s, word)| s.set_lane(lane, word));
@@ -80,13 +80,13 @@ impl<R: Real> Sampler<R> {
         let one_key = (first & INDEX) <= INDEX - (R::WIDTH as u32 - 1);
         match kind {
             SamplerKind::Independent => Self::independent(|lane| sample_key(seed, site.pixel, first + lane as u32)),
-            SamplerKind::Sobol | SamplerKind::SobolPixels if one_key => {
+            _ if one_key => {
                 let (key, word) = site.under(kind).point(seed, first);
                 let word = R::Bits::splat(word) + R::Bits::from_fn(|lane| lane as u32);
                 let [low, high] = [key as u32, (key >> 32) as u32].map(R::Bits::splat);
                 Self(Xoshiro { s: [(word & R::Bits::splat(INDEX)).reverse_bits(), low, high, word] })
             }
-            SamplerKind::Sobol | SamplerKind::SobolPixels => {
+            _ => {
                 let mut sampler = Self::idle();
                 (0..R::WIDTH).for_each(|lane| sampler.seed_lane(kind, lane, seed, site, first + lane as u32));
                 sampler
@@ -124,7 +124,7 @@ impl<R: Real> Sampler<R> {
     pub fn camera_dims(&mut self, kind: SamplerKind, lens: bool) -> [R; CAMERA] {
         match kind {
             SamplerKind::Independent => self.0.camera_dims(),
-            SamplerKind::Sobol | SamplerKind::SobolPixels => {
+            _ => {
                 let pixel = self.pair(R::Bits::splat(PIXEL_SET));
                 let lens = if lens { self.pair(R::Bits::splat(LENS_SET)) } else { pixel };
                 [pixel[0], pixel[1], lens[0], lens[1]]
@@ -138,7 +138,7 @@ impl<R: Real> Sampler<R> {
     pub fn bounce_dims(&mut self, kind: SamplerKind, bounce: R) -> [R; BOUNCE] {
         match kind {
             SamplerKind::Independent => self.0.bounce_dims(),
-            SamplerKind::Sobol | SamplerKind::SobolPixels => {
+            _ => {
                 let mut u = self.sobol_vertex(bounce, true);
                 u[OPACITY] = self.opacity(kind, bounce);
                 u
@@ -152,7 +152,7 @@ impl<R: Real> Sampler<R> {
     pub(crate) fn vertex_dims(&mut self, kind: SamplerKind, bounce: R, scatters: bool) -> [R; BOUNCE] {
         match kind {
             SamplerKind::Independent => self.0.bounce_dims(),
-            SamplerKind::Sobol | SamplerKind::SobolPixels => self.sobol_vertex(bounce, scatters),
+            _ => self.sobol_vertex(bounce, scatters),
         }
     }
 
@@ -161,7 +161,7 @@ impl<R: Real> Sampler<R> {
     pub fn opacity(&self, kind: SamplerKind, bounce: R) -> R {
         match kind {
             SamplerKind::Independent => { self.0 }.bounce_dims()[OPACITY],
-            SamplerKind::Sobol | SamplerKind::SobolPixels => self.hashed(Self::set(bounce, OPACITY_SET)),
+            _ => self.hashed(Self::set(bounce, OPACITY_SET)),
         }
     }
 

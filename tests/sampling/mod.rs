@@ -2,6 +2,7 @@
 
 pub mod draw;
 mod frame;
+mod nets;
 mod random;
 mod sampler;
 mod site;

@@ -1,5 +1,6 @@
 //! Pixels of a block: nets each, nearly nets together, and else without relation.
 
+use super::nets::quality;
 use octolux::lane::{Bits, Real, f32x8, f32x16};
 use octolux::sampling::site::{PLACES, apart};
 use octolux::sampling::sobol::{self, Key, PairSet};
@@ -17,18 +18,6 @@ fn numbers(kind: SamplerKind, seed: u64, site: Site, sample: u32) -> Vec<f32> {
     sampler.seed_lane(kind, 0, seed, site, sample);
     let camera = sampler.camera_dims(kind, true);
     camera.into_iter().chain(sampler.bounce_dims(kind, 0.0).into_iter().take(DRAWN)).collect()
-}
-
-/// The least t for which every elementary box of area 2^(t−k) holds 2^t of the 2^k points.
-fn quality(points: &[[u32; 2]]) -> u32 {
-    let k = points.len().ilog2();
-    let fair = |x: u32, y: u32| {
-        let mut count = vec![0u32; 1 << (x + y)];
-        let cell = |p: &[u32; 2]| (u64::from(p[0]) >> (32 - x) << y | u64::from(p[1]) >> (32 - y)) as usize;
-        points.iter().for_each(|p| count[cell(p)] += 1);
-        count.iter().all(|&n| n == 1 << (k - x - y))
-    };
-    (0..=k).find(|t| (0..=k - t).all(|x| fair(x, k - t - x))).expect("all points are in the square")
 }
 
 /// Sobol's first pair of 2^m points at each of the last `places`, which differ in the highest bits of their number.

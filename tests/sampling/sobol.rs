@@ -1,5 +1,6 @@
 //! Sobol' points and their scrambling: nets, tables, independence, widths.
 
+use super::nets::quality;
 use crate::stats::{Moments, Rng, assert_variance, chi2_test};
 use octolux::lane::{Bits, Real, f32x8, f32x16};
 use octolux::sampling::sobol::{self, Key, MAX_DIMENSIONS, PairSet};
@@ -48,17 +49,6 @@ fn every_lane_equals_one_lane() {
     agrees_with_one_lane::<f32x16>();
 }
 
-/// Does every elementary interval of volume 1/n hold one of the n = 2^k points?
-fn is_net(points: &[[u32; 2]]) -> bool {
-    let k = points.len().ilog2();
-    (0..=k).all(|a| {
-        let cell = |p: &[u32; 2]| (u64::from(p[0]) >> (32 - a)) << (k - a) | u64::from(p[1]) >> (32 - (k - a));
-        let mut cells: Vec<u64> = points.iter().map(cell).collect();
-        cells.sort_unstable();
-        cells.iter().enumerate().all(|(i, &c)| c == i as u64)
-    })
-}
-
 #[test]
 fn aligned_blocks_are_nets_before_and_after_scrambling() {
     for seed in 0..20 {
@@ -66,7 +56,7 @@ fn aligned_blocks_are_nets_before_and_after_scrambling() {
             let indices = (block << k)..((block + 1) << k);
             let set = seed as u32 % 7;
             let points = indices.clone().map(|i| sobol::owen_2d::<f32>(One::splat(i), key(seed), set).map(value));
-            assert!(is_net(&points.collect::<Vec<_>>()), "2-D, key {seed}, block {block} of 2^{k}");
+            assert_eq!(quality(&points.collect::<Vec<_>>()), 0, "2-D, key {seed}, block {block} of 2^{k}");
             let pairs = PairSet::new(key(seed), One::splat(set));
             let place = One::splat(7 * seed as u32 % 64);
             let order = indices.clone().map(|i| pairs.shuffle(One::splat(i.reverse_bits())));
@@ -78,7 +68,7 @@ fn aligned_blocks_are_nets_before_and_after_scrambling() {
                 .collect();
             for k in 0..3 {
                 let pair: Vec<[u32; 2]> = points.iter().map(|p| p[k]).collect();
-                assert!(is_net(&pair), "pair {k}, key {seed}, block {block} of 2^{k}");
+                assert_eq!(quality(&pair), 0, "pair {k}, key {seed}, block {block} of 2^{k}");
             }
             for d in 0..MAX_DIMENSIONS {
                 let mut cells: Vec<u32> = indices
@@ -90,26 +80,6 @@ fn aligned_blocks_are_nets_before_and_after_scrambling() {
             }
         }
     }
-}
-
-/// The least t for which every elementary box of volume 2^(t−k) holds 2^t of the 2^k points.
-fn quality(points: &[[u32; 4]]) -> u32 {
-    let k = points.len().ilog2();
-    let fair = |splits: [u32; 4]| {
-        let digits: u32 = splits.iter().sum();
-        let mut count = vec![0u32; 1 << digits];
-        for p in points {
-            let join = |cell: usize, d: usize| cell << splits[d] | (u64::from(p[d]) >> (32 - splits[d])) as usize;
-            count[(0..4).fold(0, join)] += 1;
-        }
-        count.iter().all(|&n| n == 1 << (k - digits))
-    };
-    let all_fair = |digits: u32| {
-        let triples = (0..=digits).flat_map(|a| (0..=digits - a).map(move |b| (a, b)));
-        let mut splits = triples.flat_map(|(a, b)| (0..=digits - a - b).map(move |c| [a, b, c, digits - a - b - c]));
-        splits.all(fair)
-    };
-    (0..=k).find(|t| all_fair(k - t)).unwrap_or(k)
 }
 
 /// Points of two of the three pairs of shuffled index `x`, unscrambled.
