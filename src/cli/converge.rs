@@ -55,8 +55,10 @@ pub struct ConvergeArgs {
 }
 
 pub fn run(args: &ConvergeArgs) -> Result<bool, CliError> {
-    interrupt::listen();
-    let report = converge::run(plan(args)?)?;
+    interrupt::listen(super::leave);
+    let plan = plan(args)?;
+    interrupt::keep();
+    let report = converge::run(plan)?;
     if !args.quiet {
         print!("{}", table(&report));
         crate::process::tell(format_args!("{}\n", args.output.join("report.html").display()));

@@ -1,7 +1,7 @@
 //! `octolux estimate`: an estimator's error against samples and run time, on problems with known answers.
 
 use super::CliError;
-use super::problem::{DIMENSIONS, EXPONENT, ProblemArgs, ProblemName, SKY};
+use super::problem::{DIMENSIONS, EXPONENT, HEMISPHERE, ProblemArgs, ProblemName, SKY, name};
 use super::targets::check_apart;
 use crate::estimate::demos::{self, Demonstration};
 use crate::estimate::expression::Expression;
@@ -28,9 +28,9 @@ pub struct EstimateArgs {
     /// Numbers of samples of an estimate [default: 1,4,16,64,256,1024,4096; 2,4,8 for gp-1d, 5 for ohagan]
     #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     samples: Vec<u32>,
-    /// Independent estimates of each kind
-    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
-    repeats: u32,
+    /// Independent estimates of each kind [default: 1000]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    repeats: Option<u32>,
     /// Picks the random numbers
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -50,11 +50,12 @@ pub struct EstimateArgs {
     of: ProblemArgs,
 }
 
-/// Numbers of samples where none are asked for.
+/// Where [`EstimateArgs`] says nothing.
+const REPEATS: u32 = 1000;
 const SAMPLES: [usize; 7] = [1, 4, 16, 64, 256, 1024, 4096];
 
 pub fn run(args: &EstimateArgs) -> Result<bool, CliError> {
-    args.of.check(args.problem).map_err(CliError::Usage)?;
+    check(args).map_err(CliError::Usage)?;
     if let Some(folder) = &args.output {
         std::fs::create_dir_all(folder).map_err(|source| CliError::Write { path: folder.clone(), source })?;
     }
@@ -73,14 +74,41 @@ pub fn run(args: &EstimateArgs) -> Result<bool, CliError> {
     }
     let methods = methods(args, &*problem).map_err(CliError::Usage)?;
     check_folder(args, ["errors.csv".to_owned()].into_iter().chain(page::PLOT_NAMES.map(plot_file)))?;
-    let budget = Budget { samples: samples(args, &SAMPLES), repeats: args.repeats as usize, seed: args.seed };
+    let budget = Budget { samples: samples(args, &SAMPLES), repeats: repeats(args), seed: args.seed };
     // Ctrl-C ends the study after the cell at hand: what is finished is reported.
-    interrupt::listen();
+    interrupt::listen(super::leave);
+    interrupt::keep();
     let threads = args.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let study = pool.install(|| run_study(problem.quantity(), &methods, &budget, &|| interrupt::asked()));
     output(args, &*problem, &study)?;
     Ok(true)
+}
+
+/// An option that would be read and not heeded is an error.
+fn check(args: &EstimateArgs) -> Result<(), String> {
+    args.of.check(args.problem)?;
+    let ignored: &[&str] = match args.problem {
+        ProblemName::VarianceRules => &["methods", "lanes", "samples"],
+        ProblemName::Gp1d | ProblemName::Ohagan => &["methods", "lanes", "repeats"],
+        _ => &[],
+    };
+    let given = [
+        ("methods", !args.methods.is_empty()),
+        ("lanes", args.lanes.is_some()),
+        ("samples", !args.samples.is_empty()),
+        ("repeats", args.repeats.is_some()),
+    ];
+    match given.iter().find(|(option, given)| *given && ignored.contains(option)) {
+        Some((option, _)) => {
+            Err(format!("--{option} says nothing of {}, which is shown; leave it out", name(args.problem)))
+        }
+        None => Ok(()),
+    }
+}
+
+fn repeats(args: &EstimateArgs) -> usize {
+    args.repeats.unwrap_or(REPEATS) as usize
 }
 
 /// Those asked for, in rising order, each once.
@@ -106,7 +134,7 @@ fn demonstration(args: &EstimateArgs) -> Option<Result<Demonstration, String>> {
         show(&expression, &quantity, &counts, args.seed)
     };
     match args.problem {
-        ProblemName::VarianceRules => Some(Ok(demos::variance_rules(args.repeats as usize, args.seed))),
+        ProblemName::VarianceRules => Some(Ok(demos::variance_rules(repeats(args), args.seed))),
         ProblemName::Gp1d => Some(of_function(named("sin(2*PI*x)+x"), samples(args, &[2, 4, 8]), |f, q, n, seed| {
             demos::gp_line(f, q, n, seed)
         })),
@@ -183,7 +211,7 @@ fn illumination(of: &ProblemArgs, scene: Option<&Scene>, seed: u64, width: Width
 fn problem(args: &EstimateArgs, scene: Option<&Scene>) -> Result<Box<dyn Problem>, String> {
     let of = &args.of;
     let width = args.lanes.unwrap_or_else(Width::native);
-    let named = |default: &'static str| of.f.clone().unwrap_or_else(|| default.to_owned());
+    let named = |default: &str| of.f.clone().unwrap_or_else(|| default.to_owned());
     let range = of.range.unwrap_or([0.0, 1.0]);
     Ok(match args.problem {
         ProblemName::Pi => Box::new(problems::pi(width)),
@@ -209,7 +237,7 @@ fn problem(args: &EstimateArgs, scene: Option<&Scene>) -> Result<Box<dyn Problem
         ProblemName::Hemisphere => Box::new(match &of.image {
             Some(path) => under_image(path, width)?,
             None => {
-                problems::hemisphere(&named("cosine"), of.exponent.unwrap_or(EXPONENT), of.sky.unwrap_or(SKY), width)?
+                problems::hemisphere(&named(HEMISPHERE), of.exponent.unwrap_or(EXPONENT), of.sky.unwrap_or(SKY), width)?
             }
         }),
     })

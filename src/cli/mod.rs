@@ -89,11 +89,24 @@ pub fn run() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(error) => {
-            // `eprintln!` would panic where nobody listens, and a script be given another exit code.
-            crate::process::tell(format_args!("octolux: {}\n", printable(&error.to_string())));
-            ExitCode::from(2)
+            complain(&error);
+            ExitCode::from(FAILED)
         }
     }
+}
+
+/// Exit code of bad input, and of all that was in vain.
+const FAILED: u8 = 2;
+
+fn complain(error: &CliError) {
+    // `eprintln!` would panic where nobody listens, and a script be given another exit code.
+    crate::process::tell(format_args!("octolux: {}\n", printable(&error.to_string())));
+}
+
+/// Ends the process where there is nothing to keep yet.
+fn leave() {
+    complain(&CliError::Interrupted);
+    std::process::exit(FAILED.into());
 }
 
 fn compare(args: &crate::report::CompareArgs) -> Result<bool, CliError> {
@@ -122,7 +135,7 @@ fn end_with_the_reader() {
             std::process::exit(BROKEN_PIPE);
         }
         crate::process::tell(format_args!("octolux: {why}; write where there is room\n"));
-        std::process::exit(2);
+        std::process::exit(FAILED.into());
     }));
 }
 

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 pub(super) const DIMENSIONS: usize = 6;
 pub(super) const EXPONENT: f64 = 1.0;
 pub(super) const SKY: u64 = 0;
+pub(super) const HEMISPHERE: &str = "cosine";
 
 /// What belongs to one problem or another.
 #[derive(clap::Args)]
@@ -30,10 +31,10 @@ pub(super) struct ProblemArgs {
     /// cube-d: dimensions, 1 to 20 [default: 6]
     #[arg(long)]
     pub dimensions: Option<usize>,
-    /// hemisphere: n of cosine^n [default: 1]
+    /// hemisphere: n of cosine^n, of --f cosine [default: 1]
     #[arg(long)]
     pub exponent: Option<f64>,
-    /// hemisphere: which of the random skies [default: 0]
+    /// hemisphere: which of the random skies, of --f sky, edge, sun [default: 0]
     #[arg(long)]
     pub sky: Option<u64>,
     /// hemisphere: a latitude-longitude OpenEXR image instead of --f; +y is up
@@ -108,14 +109,21 @@ impl ProblemArgs {
             ("pixel", self.pixel.is_some(), &[Illumination]),
             ("mode", self.mode.is_some(), &[Illumination]),
         ];
-        let name =
-            |problem: &ProblemName| problem.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned());
-        match options.iter().find(|(_, given, of)| *given && !of.contains(&problem)) {
-            Some((option, _, of)) => {
-                let of = of.iter().map(name).collect::<Vec<_>>().join(", ");
-                Err(format!("--{option} says nothing of {}: it is for {of}; leave it out", name(&problem)))
-            }
+        if let Some((option, _, of)) = options.iter().find(|(_, given, of)| *given && !of.contains(&problem)) {
+            let of = of.iter().map(|&problem| name(problem)).collect::<Vec<_>>().join(", ");
+            return Err(format!("--{option} says nothing of {}: it is for {of}; leave it out", name(problem)));
+        }
+        let options: [(&str, bool, &[&str]); 2] =
+            [("exponent", self.exponent.is_some(), &["cosine"]), ("sky", self.sky.is_some(), &["sky", "edge", "sun"])];
+        let f = self.f.as_deref().unwrap_or(HEMISPHERE);
+        match options.iter().find(|(_, given, of)| *given && !of.contains(&f)) {
+            Some((option, _, of)) => Err(format!("--{option} says nothing of --f {f}: it is for {}", of.join(", "))),
             None => Ok(()),
         }
     }
+}
+
+/// As it is written.
+pub(super) fn name(problem: ProblemName) -> String {
+    problem.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())
 }

@@ -95,12 +95,13 @@ impl RenderArgs {
 }
 
 pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
-    interrupt::listen();
+    interrupt::listen(super::leave);
     let images = images(args)?;
     let threads = args.threads();
     let pool = render::thread_pool(threads)?;
     // Building the tree takes the pool's threads, too.
     let (scene, mut world, mut times) = pool.install(|| args.world())?;
+    interrupt::keep();
     check_apart(files(args, &images), scene.files.iter().map(PathBuf::as_path))?;
     if !args.quiet {
         scene.assumptions.iter().for_each(|line| crate::process::tell(format_args!("assumed: {line}\n")));

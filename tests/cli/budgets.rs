@@ -178,6 +178,20 @@ fn ctrl_c_in_the_first_pass_leaves_no_black_tiles() {
     assert_eq!(std::fs::read(scratch.path("a.exr")).unwrap(), b"an image of yesterday");
 }
 
+/// Scenes may take minutes to read and trees to be built: here one takes for ever.
+#[test]
+fn ctrl_c_while_a_scene_is_read_ends_at_once() {
+    let scratch = Scratch::new();
+    assert!(std::process::Command::new("mkfifo").arg(scratch.path("endless.toml")).status().unwrap().success());
+    std::fs::write(scratch.path("a.exr"), "an image of yesterday").unwrap();
+    for command in [&["render", "endless.toml", "-o", "a.exr"][..], &["converge", "endless.toml", "-o", "out"]] {
+        let output = scratch.interrupted(command);
+        let said = super::text(&output.stderr);
+        assert!(said.contains("nothing was written") && output.status.code() == Some(2), "{said}");
+    }
+    assert_eq!(std::fs::read(scratch.path("a.exr")).unwrap(), b"an image of yesterday");
+}
+
 /// The pilot of a fixed number takes a part of the time alone, and rates are of the seconds that made the image.
 #[test]
 fn a_pilot_leaves_time_for_the_image() {

@@ -113,6 +113,12 @@ fn wrong_problems_are_refused_in_one_line() {
         (&["ohagan", "--range", "0,2"], "it is for continuous, interval"),
         (&["die", "--f", "sky"], "gp-1d, ohagan"),
         (&["interval", "--sky", "3"], "hemisphere"),
+        (&["hemisphere", "--sky", "3"], "--sky says nothing of --f cosine: it is for sky, edge, sun"),
+        (&["hemisphere", "--f", "cos3", "--exponent", "3"], "--exponent says nothing of --f cos3: it is for cosine"),
+        (&["ohagan", "--methods", "mc"], "--methods says nothing of ohagan"),
+        (&["gp-1d", "--repeats", "10"], "--repeats says nothing of gp-1d"),
+        (&["variance-rules", "--samples", "10"], "--samples says nothing of variance-rules"),
+        (&["variance-rules", "--lanes", "8"], "--lanes says nothing of variance-rules"),
     ] {
         let all: Vec<&str> = ["estimate"].iter().chain(arguments).copied().collect();
         let output = scratch.run(&all);
