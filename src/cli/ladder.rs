@@ -48,6 +48,10 @@ impl LadderArgs {
 
     /// Looks at the reference before anything is rendered.
     pub fn check(&self, world: &World) -> Result<(), CliError> {
+        // Clap does not look where what --reference requires is forbidden by another option.
+        if self.reference.is_some() && !self.is_asked_for() {
+            return Err(CliError::Usage("--reference is of --ladder; give that, too, or leave it out".into()));
+        }
         self.reference(world).map(drop)
     }
 

@@ -60,8 +60,9 @@ pub struct Origin {
 /// Raised by a change that gives samples of the same scene, options and seed other values: a state goes on only where its samples
 /// would be made again. (1: two triangles of a lamp are sampled as one, along slopes.
 /// 2: the pixels that share paths stand in another order; images of normals soften by themselves.
-/// 3: pixels of a block share the scrambling of their Sobol' points.)
-pub const SAMPLING: u32 = 3;
+/// 3: pixels of a block share the scrambling of their Sobol' points.
+/// 4: finds of dark first vertices are shared as often as their neighbours need.)
+pub const SAMPLING: u32 = 4;
 
 fn everywhere() -> bool {
     true

@@ -33,6 +33,7 @@ fn scenes_that_share() -> Vec<(&'static str, Scene)> {
         ("metal floor", metal_floor()),
         ("red and white under green", red_and_white_under_green()),
         ("in rough glass", in_rough_glass()),
+        ("dark and white stripes", dark_and_white_stripes()),
     ];
     assert!(scenes.iter().all(|(_, scene)| shares(scene)), "nothing would be tested");
     scenes.into()
@@ -72,6 +73,21 @@ fn red_and_white_under_green() -> Scene {
     set.quad(green, [[-2.0, 2.5, -2.0], [2.0, 2.5, -2.0], [2.0, 2.5, 1.0], [-2.0, 2.5, 1.0]]);
     let light = DeltaLight::Point { position: [0.0, 1.5, 0.0], intensity: [5.0; 3] };
     set.light(light).finish()
+}
+
+/// Every other stripe is nearly black, and all light comes by way of the ceiling: what paths from dark stripes find there is half
+/// of what the white ones are given.
+fn dark_and_white_stripes() -> Scene {
+    let mut set = Set::new([0.0, 1.9, 0.01], [0.0; 3], 54.0, scenes::SIDE).bounces(2);
+    let (dark, white) = (set.grey(1e-6, 0.0), set.grey(0.8, 0.0));
+    for i in 0..40 {
+        let (left, right) = (-1.0 + 0.05 * f64::from(i), -0.95 + 0.05 * f64::from(i));
+        let stripe = if i % 2 == 0 { dark } else { white };
+        set.quad(stripe, [[left, 0.0, 1.0], [right, 0.0, 1.0], [right, 0.0, -1.0], [left, 0.0, -1.0]]);
+    }
+    set.quad(white, [[-30.0, 2.0, -30.0], [30.0, 2.0, -30.0], [30.0, 2.0, 30.0], [-30.0, 2.0, 30.0]]);
+    let (position, direction) = ([0.0, 1.0, 0.0], [0.0, 1.0, 0.0]);
+    set.light(DeltaLight::Spot { position, direction, intensity: [3.0; 3], angle: 89.0 }).finish()
 }
 
 /// A ball within rough glass, which paths meet from behind, and a sheet of it that they meet from both sides.

@@ -1,6 +1,6 @@
 //! What the paths of a group found, and which of it is shared.
 
-use super::{LAMBERT, Shared, place};
+use super::{LAMBERT, Row, Shared, place};
 use crate::lane::array;
 
 /// So many finds of a group are shared, about: see [`balanced`]. Measured.
@@ -15,7 +15,8 @@ pub struct Find {
     pub lobe: Option<Lobe>,
     /// Radiance; once weighed, over the sum of densities.
     pub found: [f32; 3],
-    /// How much of it the path's own pixel would have, about. In f64, like all that is made of it: squares of light stay in range.
+    /// How much of it pixels would have, about: the path's own, and one of the group's mean albedo. (Of a dark vertex's find others
+    /// have as much as of a bright one's.) In f64, like all that is made of it: squares of light stay in range.
     pub worth: f64,
     /// Do all first vertices scatter it by their albedo times their density?
     pub plain: bool,
@@ -35,9 +36,10 @@ pub struct Lobe {
 pub fn collect(slots: &[u32], shared: &Shared, rgb: &mut [[f32; 3]], finds: &mut Vec<Find>) {
     finds.clear();
     let count = shared.slots() as usize;
+    let mean = mean_albedo(slots, shared);
     for slot in slots.iter().map(|&slot| slot as usize) {
         let second = &shared.second[slot];
-        let albedo = brightness(array::from_fn(|c| shared.first[slot][place::ALBEDO + c]));
+        let albedo = 0.5 * (albedo(&shared.first[slot]) + mean);
         let mut add = |part: usize, lobe: Option<Lobe>| {
             let found = rgb[part * count + slot];
             let factor = lobe.map_or(1.0, |lobe| f64::from(shared.lobes[lobe.row][place::SEEN]));
@@ -57,6 +59,18 @@ pub fn collect(slots: &[u32], shared: &Shared, rgb: &mut [[f32; 3]], finds: &mut
             }
         }
     }
+}
+
+/// Of a first vertex.
+fn albedo(first: &Row) -> f64 {
+    brightness(array::from_fn(|c| first[place::ALBEDO + c]))
+}
+
+/// Of first vertices that share.
+fn mean_albedo(slots: &[u32], shared: &Shared) -> f64 {
+    let valid = slots.iter().map(|&slot| &shared.first[slot as usize]).filter(|first| first[place::VALID] != 0.0);
+    let (n, sum) = valid.fold((0.0, 0.0), |(n, sum), first| (n + 1.0, sum + albedo(first)));
+    sum / f64::max(n, 1.0)
 }
 
 /// Keeps about `number` finds, each with a probability in proportion to its worth, by one number for all (systematic sampling),
