@@ -39,11 +39,11 @@ pub fn collect(slots: &[u32], shared: &Shared, rgb: &mut [[f32; 3]], finds: &mut
     let mean = mean_albedo(slots, shared);
     for slot in slots.iter().map(|&slot| slot as usize) {
         let second = &shared.second[slot];
-        let albedo = 0.5 * (albedo(&shared.first[slot]) + mean);
+        let scattered = 0.5 * (albedo(&shared.first[slot]) + mean);
         let mut add = |part: usize, lobe: Option<Lobe>| {
             let found = rgb[part * count + slot];
             let factor = lobe.map_or(1.0, |lobe| f64::from(shared.lobes[lobe.row][place::SEEN]));
-            let worth = brightness(found) * albedo * factor;
+            let worth = brightness(found) * scattered * factor;
             if !worth.is_finite() {
                 rgb[slot] = [f32::NAN; 3];
             } else if worth > 0.0 {
