@@ -88,19 +88,15 @@ pub fn run(args: &EstimateArgs) -> Result<bool, CliError> {
 /// An option that would be read and not heeded is an error.
 fn check(args: &EstimateArgs) -> Result<(), String> {
     args.of.check(args.problem)?;
-    let ignored: &[&str] = match args.problem {
-        ProblemName::VarianceRules => &["methods", "lanes", "samples"],
-        ProblemName::Gp1d | ProblemName::Ohagan => &["methods", "lanes", "repeats"],
-        _ => &[],
-    };
-    let given = [
-        ("methods", !args.methods.is_empty()),
-        ("lanes", args.lanes.is_some()),
-        ("samples", !args.samples.is_empty()),
-        ("repeats", args.repeats.is_some()),
+    use ProblemName::{Gp1d, Ohagan, VarianceRules};
+    let options: [(&str, bool, &[ProblemName]); 4] = [
+        ("methods", !args.methods.is_empty(), &[VarianceRules, Gp1d, Ohagan]),
+        ("lanes", args.lanes.is_some(), &[VarianceRules, Gp1d, Ohagan]),
+        ("samples", !args.samples.is_empty(), &[VarianceRules]),
+        ("repeats", args.repeats.is_some(), &[Gp1d, Ohagan]),
     ];
-    match given.iter().find(|(option, given)| *given && ignored.contains(option)) {
-        Some((option, _)) => {
+    match options.iter().find(|(_, given, not_of)| *given && not_of.contains(&args.problem)) {
+        Some((option, ..)) => {
             Err(format!("--{option} says nothing of {}, which is shown; leave it out", name(args.problem)))
         }
         None => Ok(()),

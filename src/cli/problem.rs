@@ -109,18 +109,23 @@ impl ProblemArgs {
             ("pixel", self.pixel.is_some(), &[Illumination]),
             ("mode", self.mode.is_some(), &[Illumination]),
         ];
-        if let Some((option, _, of)) = options.iter().find(|(_, given, of)| *given && !of.contains(&problem)) {
+        if let Some((option, of)) = unheeded(&options, problem) {
             let of = of.iter().map(|&problem| name(problem)).collect::<Vec<_>>().join(", ");
             return Err(format!("--{option} says nothing of {}: it is for {of}; leave it out", name(problem)));
         }
         let options: [(&str, bool, &[&str]); 2] =
             [("exponent", self.exponent.is_some(), &["cosine"]), ("sky", self.sky.is_some(), &["sky", "edge", "sun"])];
         let f = self.f.as_deref().unwrap_or(HEMISPHERE);
-        match options.iter().find(|(_, given, of)| *given && !of.contains(&f)) {
-            Some((option, _, of)) => Err(format!("--{option} says nothing of --f {f}: it is for {}", of.join(", "))),
+        match unheeded(&options, f) {
+            Some((option, of)) => Err(format!("--{option} says nothing of --f {f}: it is for {}", of.join(", "))),
             None => Ok(()),
         }
     }
+}
+
+/// The first option that was given and is not for `what`, and what it is for.
+fn unheeded<'a, T: PartialEq>(options: &[(&'a str, bool, &'a [T])], what: T) -> Option<(&'a str, &'a [T])> {
+    options.iter().find(|(_, given, of)| *given && !of.contains(&what)).map(|&(option, _, of)| (option, of))
 }
 
 /// As it is written.

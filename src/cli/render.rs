@@ -146,10 +146,11 @@ pub fn run(args: &RenderArgs) -> Result<bool, CliError> {
     drop(phase);
     summary.finish(start.elapsed().as_secs_f64());
     write_json(&summary, args.json.as_deref())?;
-    match summary.discarded_samples {
-        _ if !args.quiet => crate::process::tell(format_args!("{summary}")),
-        0 => {}
-        count => log::warn!("{count} samples were not finite and count as 0; without --quiet the first is named"),
+    if !args.quiet {
+        crate::process::tell(format_args!("{summary}"));
+    } else if summary.discarded_samples > 0 {
+        let count = summary.discarded_samples;
+        log::warn!("{count} samples were not finite and count as 0; without --quiet the first is named");
     }
     Ok(true)
 }

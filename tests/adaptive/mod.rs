@@ -379,3 +379,10 @@ fn tiles_of_a_block_add_no_bias_to_each_other() {
         .collect();
     stats::assert_mean("spots", &means, 1.0, 1e-5, 1);
 }
+
+#[test]
+#[should_panic(expected = "sobol-pixels")]
+fn tiles_of_one_scrambling_are_not_divided() {
+    let world = renders::sampled(&spots(), 0, Default::default(), SamplerKind::Sobol);
+    adaptive(&world, 64, Width::native(), None);
+}

@@ -82,6 +82,9 @@ fn a_ladder_without_a_reference_estimates_and_needs_a_png() {
     let output = scratch.run(&foreign);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("--size 8x8"));
+    let alone = ["render", "scene.toml", "--png", "x.png", "--spp", "1", "--size", "8x8", "--reference", "r.exr"];
+    let output = scratch.run(&alone);
+    assert!(output.status.code() == Some(2) && text(&output.stderr).contains("--ladder"), "{}", text(&output.stderr));
 }
 
 /// A rung that is not whole is no rung; without any there is no sheet, and a script is told.

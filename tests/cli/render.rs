@@ -110,6 +110,13 @@ fn quiet_says_nothing() {
     let scratch = Scratch::new();
     let output = scratch.run(&["render", "scene.toml", "-o", "a.exr", "--spp", "1", "--quiet"]);
     assert_eq!((text(&output.stdout), text(&output.stderr)), (String::new(), String::new()));
+    // But that the image lacks something is said.
+    let scene = std::fs::read_to_string(scratch.path("scene.toml")).unwrap();
+    let glaring = scene.replace("[20, 18, 15]", "[2e38, 2e38, 2e38]").replace("[0.2, 0.3, 0.5]", "[2e38, 2e38, 2e38]");
+    std::fs::write(scratch.path("glaring.toml"), glaring).unwrap();
+    let output = scratch.run(&["render", "glaring.toml", "-o", "a.exr", "--spp", "64", "--quiet"]);
+    assert!(output.status.success());
+    assert!(text(&output.stderr).contains("not finite"), "{}", text(&output.stderr));
 }
 
 #[test]
