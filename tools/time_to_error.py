@@ -2,13 +2,16 @@
 """Seconds and paths that octolux needs to a relMSE on the reference scenes, beside what its peers were measured to need.
 
     cargo build --release
-    python3 tools/time_to_error.py [--seeds 4] [--scenes cornell,env] [--adaptive | --without] [--references DIR] [--json FILE] [-o DIR]
+    python3 tools/time_to_error.py [--seeds 4] [--scenes cornell,env] [--adaptive | --without | --mitsuba]
+                                   [--references DIR] [--json FILE] [-o DIR]
 
 Runs `octolux converge` on each scene of ../shared/refs (reports stay in DIR) and prints a Markdown table with 95 %
 intervals: rendering alone, and the wall clock from exec to closed file (what is not rendering is the median of seven starts
 of `octolux render`). The peers' seconds are those of
 ../shared/refs/README.md, measured on another machine; tools/peer_mitsuba.py re-measures Mitsuba's paths a second here, and
-its paths to the error follow from C = relMSE·samples, which no machine changes. With --adaptive, samples are divided by a
+its paths to the error follow from C = relMSE·samples, which no machine changes. With --mitsuba, where that is
+installed, its seconds are measured here, in turn with ours: renders by its best sampler (multi-jittered) before and after,
+every second seed each. With --adaptive, samples are divided by a
 pilot (whose paths and seconds count). With --without, the same by renders that go without one of what makes the difference,
 and without all: seconds from exec to file, and how many times as many that is.
 """
@@ -32,6 +35,16 @@ SCENES = {
     "glass": ("16,64,256,1024", {1e-3: 43.0}, 2.65),
     "many_lights": ("1,4,16,64,256", {1e-2: 67.0}, 17.9),
     "door_ajar": ("16,64,256,1024", {1e-2: 14.0}, 24.9),
+}
+# Samples a pixel for Mitsuba; what takes long to get there is judged from less.
+MITSUBA = {
+    "cornell": "16,64,256,1024",
+    "cornell_direct": "16,64,256",
+    "veach_mis": "64,256,1024",
+    "env": "64,256,1024",
+    "glass": "64,256",
+    "many_lights": "64,256",
+    "door_ajar": "64,256,1024",
 }
 # What can be left out, by the flags that do.
 WITHOUT = {
@@ -69,6 +82,38 @@ def starts(scene, adaptive, count=7):
             done = subprocess.run([*command, "-o", f"{folder}/image.exr"], capture_output=True, text=True, check=True)
             reports.append(json.loads(done.stdout))
     return statistics.median(report["wall_seconds"] - report["render_seconds"] for report in reports)
+
+
+def mitsuba(scene, seeds, arguments):
+    """The rows of so many seeds of Mitsuba's, and the seconds of its process that are not rendering."""
+    command = [sys.executable, str(ROOT / "tools" / "peer_mitsuba.py"), str(REFS / scene / "scene.toml"),
+               "--reference", str(pathlib.Path(arguments.references) / f"{scene}.exr"), "--sampler", "multijitter",
+               "--budgets", MITSUBA[scene], "--seeds", ",".join(map(str, seeds))]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(command)}: {done.stderr.strip()}")
+    head, *rows = map(json.loads, done.stdout.splitlines())
+    return rows, head["beside_rendering_seconds"]
+
+
+def seconds_of_mitsuba(rows, floor, relmse):
+    """Its seconds of rendering to a relMSE: the mean of the seeds' logarithms, with a 95 % interval (Student's t)."""
+    logs, extrapolated = [], False
+    for seed in sorted({row["seed"] for row in rows}):
+        curve = [(row["seconds"], row["relmse"] - floor) for row in rows if row["seed"] == seed]
+        steps = [(a, b) for a, b in zip(curve, curve[1:]) if a[1] > b[1] > 0]
+        if not steps:
+            return None
+        # The line through the budgets on both sides, or the nearest two.
+        nearest = steps[0] if relmse > steps[0][0][1] else steps[-1]
+        (s, e), (t, f) = next((step for step in steps if step[0][1] >= relmse >= step[1][1]), nearest)
+        extrapolated |= not e >= relmse >= f
+        logs.append(math.log(s) + math.log(t / s) * math.log(e / relmse) / math.log(e / f))
+    quantile = {2: 12.7, 3: 4.30, 4: 3.18, 5: 2.78, 6: 2.57, 7: 2.45, 8: 2.36}.get(len(logs), 2.3)
+    half = quantile * statistics.stdev(logs) / math.sqrt(len(logs)) if len(logs) > 1 else None
+    mean = statistics.mean(logs)
+    return {"budget": math.exp(mean), "lo": half and math.exp(mean - half), "hi": half and math.exp(mean + half),
+            "extrapolated": extrapolated}
 
 
 def beside_rendering(reached, seconds):
@@ -135,6 +180,7 @@ def main():
     parser.add_argument("--references", default=str(REFS), help="where NAME.exr and NAME.json are [default: ../shared/refs]")
     parser.add_argument("--adaptive", action="store_true", help="with samples divided by a pilot")
     parser.add_argument("--without", action="store_true", help="what each ingredient is worth")
+    parser.add_argument("--mitsuba", action="store_true", help="measure Mitsuba's seconds here, too")
     parser.add_argument("--json", help="write the table as JSON too")
     parser.add_argument("-o", "--output", default=tempfile.mkdtemp(prefix="octolux-time-to-error-"))
     arguments = parser.parse_args()
@@ -146,23 +192,43 @@ def main():
             rows += found
         write(arguments, report, rows)
         return
-    print("| scene | relMSE | s, rendering | s, exec to file | paths | of Mitsuba's paths | best peer, about, s |")
-    print("|---|---|---|---|---|---|---|")
+    head = ["scene", "relMSE", "s, rendering", "s, exec to file", "paths", "of Mitsuba's paths"]
+    head += ["Mitsuba, s, rendering", "s, exec to file", "ours of these"] if arguments.mitsuba else ["best peer, about, s"]
+    print(f"| {' | '.join(head)} |\n|{'---|' * len(head)}")
     for scene in arguments.scenes.split(","):
-        budgets, targets, c = SCENES[scene]
-        report = measure(scene, budgets, arguments)
-        pixels = report["width"] * report["height"]
-        variant = report["variants"][0]
-        beside = starts(scene, arguments.adaptive)
-        for relmse, peer in targets.items():
-            target = target_of(variant, relmse)
-            target["wall_seconds"] = target["seconds"] and beside_rendering(target["seconds"], beside)
-            paths = target["paths"]
-            share = f"1/{c / target['relmse'] * pixels / paths['budget']:.3g}" if paths else "–"
-            print(f"| {scene} | {target['relmse']:g} | {cell(target['seconds'])} | {cell(target['wall_seconds'])} "
-                  f"| {cell(paths)} | {share} | {peer:g} |", flush=True)
-            rows.append({"scene": scene, "best_peer_seconds": peer, "mitsuba_c": c, **target})
+        report, found = beside_peers(scene, arguments)
+        rows += found
     write(arguments, report, rows)
+
+
+def beside_peers(scene, arguments):
+    """A row a target: what octolux needs, and what peers do."""
+    budgets, targets, c = SCENES[scene]
+    before = mitsuba(scene, range(0, arguments.seeds, 2), arguments) if arguments.mitsuba else None
+    report = measure(scene, budgets, arguments)
+    after = mitsuba(scene, range(1, max(arguments.seeds, 2), 2), arguments) if arguments.mitsuba else None
+    beside = starts(scene, arguments.adaptive)
+    floor = json.loads((pathlib.Path(arguments.references) / f"{scene}.json").read_text())["relmse_floor"]
+    pixels = report["width"] * report["height"]
+    rows = []
+    for relmse, peer in targets.items():
+        target = target_of(report["variants"][0], relmse)
+        target["wall_seconds"] = target["seconds"] and beside_rendering(target["seconds"], beside)
+        paths = target["paths"]
+        share = f"1/{c / target['relmse'] * pixels / paths['budget']:.3g}" if paths else "–"
+        cells = [scene, f"{target['relmse']:g}", cell(target["seconds"]), cell(target["wall_seconds"]), cell(paths), share]
+        row = {"scene": scene, "best_peer_seconds": peer, "mitsuba_c": c, **target}
+        if arguments.mitsuba:
+            theirs = seconds_of_mitsuba(before[0] + after[0], floor, relmse)
+            wall = theirs and beside_rendering(theirs, min(before[1], after[1]))
+            ratio = f"1/{wall['budget'] / target['wall_seconds']['budget']:.3g}" if wall and target["wall_seconds"] else "–"
+            cells += [cell(theirs), cell(wall), ratio]
+            row |= {"mitsuba_seconds": theirs, "mitsuba_wall_seconds": wall, "mitsuba_rows": [before, after]}
+        else:
+            cells.append(f"{peer:g}")
+        print(f"| {' | '.join(cells)} |", flush=True)
+        rows.append(row)
+    return report, rows
 
 
 def write(arguments, report, rows):

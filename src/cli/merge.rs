@@ -24,6 +24,7 @@ pub fn run(args: &MergeArgs) -> Result<bool, CliError> {
     if args.images.files().next().is_none() && args.state.is_none() {
         return Err(CliError::Usage("nothing to write: give -o OUT.exr, --png OUT.png or --state OUT.state".into()));
     }
+    args.images.check()?;
     check_folders(args.images.files().chain(args.state.as_deref()))?;
     // What is merged may take the place of a part, an image may not.
     check_apart(args.images.files(), args.parts.iter().map(PathBuf::as_path))?;

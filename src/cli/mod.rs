@@ -17,11 +17,12 @@ mod replay_text;
 mod scene_args;
 mod state_args;
 mod targets;
+mod usage;
 mod variants;
 
 pub use error::CliError;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -68,7 +69,11 @@ pub fn run() -> ExitCode {
     crate::process::seconds_since_process_start();
     end_with_the_reader();
     log_to_stderr();
-    let result = match Cli::parse().command {
+    let cli = match parse() {
+        Ok(cli) => cli,
+        Err(code) => return code,
+    };
+    let result = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Merge(args) => merge::run(&args),
         Command::Compare(args) => compare(&args),
@@ -93,6 +98,21 @@ pub fn run() -> ExitCode {
             ExitCode::from(FAILED)
         }
     }
+}
+
+/// Of this process's arguments. Where there is nothing to do but to print, or to complain, that is done: the exit code.
+fn parse() -> Result<Cli, ExitCode> {
+    let mut command = usage::with_negative_numbers(Cli::command());
+    let parsed =
+        command.try_get_matches_from_mut(std::env::args_os()).and_then(|matches| Cli::from_arg_matches(&matches));
+    parsed.map_err(|error| match usage::complaint(&error) {
+        Some(complaint) => {
+            let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+            complain(&CliError::Usage(complaint.line(&command, words)));
+            ExitCode::from(FAILED)
+        }
+        None => error.exit(),
+    })
 }
 
 /// Exit code of bad input, and of all that was in vain.

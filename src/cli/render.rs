@@ -161,6 +161,7 @@ fn images(args: &RenderArgs) -> Result<ImageArgs, CliError> {
     if images.files().next().is_none() {
         images.output = Some(default_exr(&args.scene.scene));
     }
+    images.check()?;
     check_folders(files(args, &images))?;
     let read =
         [args.scene.scene.as_path()].into_iter().chain(args.state.left_behind()).chain(args.ladder.reference_file());

@@ -19,7 +19,7 @@ pub struct ImageArgs {
     #[arg(long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
     /// Exposure of the PNG in stops
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
+    #[arg(long, default_value_t = 0.0, requires = "png", value_parser = stops)]
     pub exposure: f32,
 }
 
@@ -97,6 +97,26 @@ pub fn default_exr(scene: &Path) -> PathBuf {
 impl ImageArgs {
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         [self.output.as_deref(), self.png.as_deref()].into_iter().flatten()
+    }
+
+    /// Names that promise what is not written into them: known before anything is rendered.
+    pub fn check(&self) -> Result<(), CliError> {
+        let refused = |path: &Path, why: &str| Err(CliError::Usage(format!("{}: {why}", path.display())));
+        let ends = |path: &Path, extensions: &[&str]| {
+            path.extension().is_some_and(|end| extensions.iter().any(|known| end.eq_ignore_ascii_case(known)))
+        };
+        if let Some(path) = self.files().find(|path| *path == Path::new("-")) {
+            return refused(path, "images go into files; for standard output name /dev/stdout");
+        }
+        match (&self.output, &self.png) {
+            (Some(exr), _) if ends(exr, &["png", "jpg", "jpeg"]) => {
+                refused(exr, "-o writes EXR; use --png for a PNG, or name it .exr")
+            }
+            (_, Some(png)) if ends(png, &["exr", "jpg", "jpeg"]) => {
+                refused(png, "--png writes PNG; use -o for an EXR, or name it .png")
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Seconds that writing will take, before anything is known: about 150 MB/s of EXR, 60 MB/s of PNG, and a few

@@ -3,8 +3,8 @@
 //! A flag of the variant replaces the same one of the common flags. A first word that is no flag is another scene.
 //! What says how much to render or where to write is not a variant's to say.
 
-use super::CliError;
 use super::render::RenderArgs;
+use super::{CliError, usage};
 use clap::{CommandFactory, FromArgMatches, Parser, parser::ValueSource};
 use std::path::Path;
 
@@ -70,13 +70,9 @@ fn variant(name: String, flags: &str, scene: &Path, common: &[String]) -> Result
     let words: Vec<&str> = common.iter().map(String::as_str).chain(own).collect();
     // The scene comes first: after flags it could pass for the value of one.
     let all = std::iter::once(scene.as_str()).chain(words.iter().copied());
-    let first_line = |error: clap::Error| {
-        let text = error.to_string();
-        // What is missing stands on lines of its own.
-        let lines = text.lines().take_while(|line| !line.is_empty()).map(str::trim);
-        fail(lines.collect::<Vec<_>>().join(" ").trim_start_matches("error: ").to_owned())
-    };
-    let matches = Flags::command().try_get_matches_from(all).map_err(first_line)?;
+    let first_line =
+        |error: clap::Error| fail(usage::complaint(&error).map_or_else(|| error.to_string(), |said| said.what));
+    let matches = usage::with_negative_numbers(Flags::command()).try_get_matches_from(all).map_err(first_line)?;
     let given = |id: &&&str| {
         // A name that `render` no longer had would be a fault of this list: tests see it.
         matches.try_contains_id(id).is_ok() && matches.value_source(id) == Some(ValueSource::CommandLine)

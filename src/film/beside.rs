@@ -76,7 +76,7 @@ fn replace<E: ToString>(
 ) -> Result<(), FilmError> {
     let existing = fs::metadata(path).ok();
     if existing.as_ref().is_some_and(fs::Metadata::is_dir) {
-        return Err(FilmError::write(path, "it is a folder"));
+        return Err(FilmError::write(path, "it is a folder; name a file"));
     }
     if existing.as_ref().is_some_and(|meta| !meta.is_file()) {
         let file = OpenOptions::new().write(true).open(path).map_err(|error| FilmError::write(path, error))?;

@@ -14,11 +14,11 @@ pub enum FilmError {
 
 impl FilmError {
     pub(crate) fn write(path: &Path, why: impl ToString) -> Self {
-        Self::Write { path: path.to_owned(), why: one_line(why) }
+        Self::Write { path: path.to_owned(), why: with_mend(why, "make room, or write elsewhere") }
     }
 
     pub(crate) fn read(path: &Path, why: impl ToString) -> Self {
-        Self::Read { path: path.to_owned(), why: one_line(why) }
+        Self::Read { path: path.to_owned(), why: with_mend(why, "name an EXR image that can be read") }
     }
 }
 
@@ -38,6 +38,8 @@ pub enum MergeError {
     UnfinishedBlock { first_sample: u64 },
 }
 
-fn one_line(why: impl ToString) -> String {
-    why.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+/// In one line. What says a mend of its own (after `; `) is given no other.
+fn with_mend(why: impl ToString, mend: &str) -> String {
+    let why = why.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    if why.contains("; ") { why } else { format!("{why}; {mend}") }
 }

@@ -195,8 +195,9 @@ impl State {
 }
 
 fn read(path: &Path) -> Result<State, String> {
-    let file = File::open(path).map_err(|error| format!("cannot read: {error}"))?;
-    let status = file.metadata().map_err(|error| format!("cannot read: {error}"))?;
+    let unreadable = |error: std::io::Error| format!("cannot read: {error}; check the path and its permissions");
+    let file = File::open(path).map_err(unreadable)?;
+    let status = file.metadata().map_err(unreadable)?;
     if !status.is_file() {
         return Err("is not a regular file; name a state file".to_owned());
     }
@@ -218,7 +219,7 @@ fn read(path: &Path) -> Result<State, String> {
         return Err(DAMAGED.to_owned());
     };
     let mut text = vec![0; head_length as usize];
-    input.read_exact(&mut text).map_err(|error| format!("cannot read: {error}"))?;
+    input.read_exact(&mut text).map_err(unreadable)?;
     let mut sum = Checksum::default();
     sum.update(&text);
     if u64::from_le_bytes(array(&mut input)?) != sum.value() {

@@ -83,9 +83,9 @@ pub struct SetReport {
 
 #[derive(Debug, thiserror::Error)]
 pub enum BenchRaysError {
-    #[error("{}: {source}", path.display())]
+    #[error("{}: cannot read: {source}; name DATA/NAME, of which NAME.tri is there", path.display())]
     Io { path: PathBuf, source: std::io::Error },
-    #[error("{}: {what}", path.display())]
+    #[error("{}: {what}; name recorded rays, or record them anew", path.display())]
     Format { path: PathBuf, what: String },
     #[error("--{option} {value}: {mend}")]
     Argument { option: &'static str, value: String, mend: &'static str },

@@ -147,6 +147,9 @@ fn camera(table: &CameraTable, text: &TomlText) -> Result<Camera, SceneError> {
         value.as_ref().map_or(Ok(default), |value| text.number(key, value, domain))
     };
     let lens_radius = number("lens_radius", &table.lens_radius, &NON_NEGATIVE, 0.0)?;
+    if let Some(idle) = table.focus_distance.as_ref().filter(|_| lens_radius == 0.0) {
+        text.warn_idle(idle.span(), "focus_distance", "a pinhole has all in focus; give it a `lens_radius`");
+    }
     let focus_distance = number("focus_distance", &table.focus_distance, &POSITIVE, 1.0)?;
     Ok(Camera { position, look_at, up, vfov, lens_radius, focus_distance })
 }

@@ -10,6 +10,7 @@ use super::{
 };
 use crate::estimate::bmc::{Covariance, Points};
 use serde::Deserialize;
+use std::ops::Range;
 use toml::Spanned;
 
 type Word = Option<Spanned<String>>;
@@ -92,7 +93,48 @@ pub(super) fn integrator(table: Option<&IntegratorTable>, text: &TomlText) -> Re
     integrator.path_reuse = choice("way of `path_reuse`", &table.path_reuse, &PATH_REUSE, integrator.path_reuse, text)?;
     integrator.roulette = roulette(table, text)?;
     integrator.gather = gather(table, text)?;
+    table.warn_of_idle_keys(integrator.kind, text);
     Ok(integrator)
+}
+
+/// A key, where it stands if it does, and the kinds that read it.
+type ReadBy = (&'static str, Option<Range<usize>>, &'static [IntegratorKind]);
+
+impl IntegratorTable {
+    /// Keys that this kind does not read. No error: who looks at a view for a moment changes `kind` alone.
+    fn warn_of_idle_keys(&self, kind: IntegratorKind, text: &TomlText) {
+        use IntegratorKind::{Depth, Direct, Gather, Path, Phong};
+        fn at<T>(value: &Option<Spanned<T>>) -> Option<Range<usize>> {
+            value.as_ref().map(Spanned::span)
+        }
+        let read_by: [ReadBy; 19] = [
+            ("max_bounces", at(&self.max_bounces), &[Path, Direct, Gather]),
+            ("roulette_after", at(&self.roulette_after), &[Path, Gather]),
+            ("roulette_below", at(&self.roulette_below), &[Path, Gather]),
+            ("light_paths", at(&self.light_paths), &[Path]),
+            ("path_reuse", at(&self.path_reuse), &[Path]),
+            ("ambient", at(&self.ambient), &[Phong]),
+            ("max_depth", at(&self.max_depth), &[Depth]),
+            ("samples", at(&self.samples), &[Gather]),
+            ("method", at(&self.method), &[Gather]),
+            ("points", at(&self.points), &[Gather]),
+            ("pdf", at(&self.pdf), &[Gather]),
+            ("covariance", at(&self.covariance), &[Gather]),
+            ("length", at(&self.length), &[Gather]),
+            ("smoothness", at(&self.smoothness), &[Gather]),
+            ("sets", at(&self.sets), &[Gather]),
+            ("rotate", at(&self.rotate), &[Gather]),
+            ("weights", at(&self.weights), &[Gather]),
+            ("shrinkage", at(&self.shrinkage), &[Gather]),
+            ("lights", at(&self.lights), &[Gather]),
+        ];
+        let name = KINDS.iter().find(|(_, known)| *known == kind).map_or("", |(name, _)| name);
+        for (key, span, kinds) in read_by {
+            if let Some(span) = span.filter(|_| !kinds.contains(&kind)) {
+                text.warn_idle(span, key, &format!("kind = \"{name}\" does not read it"));
+            }
+        }
+    }
 }
 
 fn roulette(table: &IntegratorTable, text: &TomlText) -> Result<Roulette, SceneError> {

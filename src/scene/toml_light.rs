@@ -54,6 +54,9 @@ impl EnvironmentTable {
 pub(super) fn environment(table: &Spanned<EnvironmentTable>, text: &TomlText) -> Result<Environment, SceneError> {
     let EnvironmentTable { radiance, file, rotation } = table.as_ref();
     let scale = radiance.as_ref().map(|radiance| text.colour("radiance", radiance, &NON_NEGATIVE)).transpose()?;
+    if let Some(idle) = rotation.as_ref().filter(|_| file.is_none()) {
+        text.warn_idle(idle.span(), "rotation", "this environment is the same all around");
+    }
     let rotation = rotation.as_ref().map_or(Ok(0.0), |rotation| text.number("rotation", rotation, &FINITE))?;
     match (file, scale) {
         (Some(file), scale) => {
@@ -62,7 +65,6 @@ pub(super) fn environment(table: &Spanned<EnvironmentTable>, text: &TomlText) ->
             image.rotation = rotation;
             Ok(Environment::Image(image))
         }
-        // The same from everywhere, however it is turned.
         (None, Some(radiance)) => Ok(Environment::Constant(radiance)),
         (None, None) => Err(text.error(table.span(), "the environment is empty", "give it `radiance` or `file`")),
     }

@@ -19,6 +19,11 @@ impl TomlText<'_> {
         SceneError::at(self.file, self.line(span.start), message, mend)
     }
 
+    /// Warns of a key that changes nothing.
+    pub fn warn_idle(&self, span: Range<usize>, key: &str, why: &str) {
+        log::warn!("{}:{}: `{key}` changes nothing: {why}", self.file.display(), self.line(span.start));
+    }
+
     /// What the parser or serde has to complain of, in our words.
     pub fn complaint(&self, error: &toml::de::Error) -> SceneError {
         let span = error.span().unwrap_or(0..0);
@@ -40,6 +45,7 @@ impl TomlText<'_> {
             let wanted = match wanted {
                 "f64" => "a number",
                 "i64" => "a whole number",
+                "digits" => "digits on both sides of the point, as in 0.5",
                 "a boolean" => "true or false",
                 "a sequence" => "a list ([[NAME]] for tables)",
                 table if table.starts_with("struct ") => "a table",

@@ -15,6 +15,7 @@ mod render;
 mod replay;
 mod state;
 mod streams;
+mod usage;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

@@ -26,7 +26,7 @@ fn a_write_that_fails_half_way_leaves_the_old_file_and_nothing_else() {
         Err("the disk is\nfull")
     });
     let message = result.unwrap_err().to_string();
-    assert_eq!(message, format!("{}: cannot write: the disk is full", path.display()));
+    assert_eq!(message, format!("{}: cannot write: the disk is full; make room, or write elsewhere", path.display()));
     assert_eq!((fs::read_to_string(&path).unwrap().as_str(), names(folder.path())), ("good", vec!["image.exr".into()]));
 
     write_beside(&path, |file| file.write_all(b"better")).unwrap();

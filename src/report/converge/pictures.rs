@@ -106,7 +106,8 @@ impl View {
     ) -> Result<Image, FilmError> {
         let (across, down) = self.size();
         write_with(path, (across, down), |x, y| colour(y as usize * across as usize + x as usize))?;
-        let png = std::fs::read(path).map_err(|error| FilmError::read(path, error))?;
+        let png = std::fs::read(path)
+            .map_err(|error| FilmError::read(path, format!("{error}; render anew, or allow reading it")))?;
         Ok(Image { name, caption, png })
     }
 }
