@@ -1,7 +1,7 @@
 //! Next-event estimation: light that comes straight from a light sample.
 
 use super::light_paths::ratio::{Arrival, reversed_pdf, weight_against};
-use super::path::{Paths, mis_weight, same_side};
+use super::path::{Doing, PathVertex, Paths, mis_weight, same_side};
 use super::pattern;
 use super::probe::{Lanes, Probe, Stage};
 use super::queue::Queue;
@@ -14,7 +14,6 @@ use super::world::World;
 use crate::geometry::{Ray, SurfacePoint, shadow_ray};
 use crate::lane::{Bits, Mask, Real, Vec3};
 use crate::light::LightSample;
-use crate::sampling::Frame;
 use crate::sampling::dimensions::*;
 
 /// Lanes at the last vertex of their path, where a ray by the material could find nothing but what light samples find as well.
@@ -31,24 +30,19 @@ pub(super) fn by_lights_alone<R: Real>(
 }
 
 /// Next-event estimation: a point on a light or a direction to the environment, and its contribution if it is seen, which a
-/// shadow ray is to tell. Where not `competing`, nothing else is to find it.
+/// shadow ray is to tell. Where no ray by the material goes out, nothing else is to find it.
 #[inline(always)]
-#[allow(clippy::too_many_arguments)]
 pub(super) fn sample_direct<R: Real, S: Shade, P: Probe>(
-    world: &World,
-    shade: &S,
+    at: &PathVertex<R, S>,
     paths: &Paths<R>,
-    surface: &Surface<R>,
-    frame: &Frame<R>,
-    wo: Vec3<R>,
-    u: &[R; BOUNCE],
-    [scatters, competing, shared]: [R::Mask; 3],
+    doing: Doing<R>,
     arrival: Option<&Arrival<R>>,
     shadows: &mut Queue<R, SHADOW>,
     out: &mut SampleBuffer,
     probe: &mut P,
 ) {
-    let lit = scatters & !shade.is_delta(world, &paths.hit, surface);
+    let &PathVertex { world, shade, surface, frame, wo, u } = at;
+    let lit = doing.lit & !shade.is_delta(world, &paths.hit, surface);
     if lit.none() {
         return;
     }
@@ -63,7 +57,7 @@ pub(super) fn sample_direct<R: Real, S: Shade, P: Probe>(
     let lit = lit & pdf.gt(R::zero()) & same_side(wi.z, surface.ng.dot(light.wi));
     let lit = if world.plan.spheres { lit & !behind(world, surface, &light) } else { lit };
     let eval = shade.eval(world, &paths.hit, surface, [wo, wi], lit);
-    let mut weight = mis_weight(pdf, eval.pdf.masked(competing)) / pdf;
+    let mut weight = mis_weight(pdf, eval.pdf.masked(doing.scatter)) / pdf;
     if let Some(arrival) = arrival.filter(|_| lit.any()) {
         let back = reversed_pdf(world, shade, paths.hit, *surface, [wo, wi], lit);
         weight = weight_against(eval.pdf / pdf, arrival.at_sample(world, *surface, light, back, lit)) / pdf;
@@ -77,7 +71,7 @@ pub(super) fn sample_direct<R: Real, S: Shade, P: Probe>(
     }
     let mut contribution = paths.beta.hadamard(eval.value).hadamard(light.radiance) * weight;
     let mut slot = paths.slot;
-    let shared = shared & lit & (same_side(wi.z, wo.z) | surface.material.is_dielectric());
+    let shared = doing.shared & lit & (same_side(wi.z, wo.z) | surface.material.is_dielectric());
     if shared.any() {
         let (of_light, of_slot) =
             reuse::keep_light(*surface, &light, eval.value * (weight * pdf), paths.slot, shared, out);

@@ -76,6 +76,29 @@ impl<R: Real> Paths<R> {
     }
 }
 
+/// A vertex of each path of a packet, ready to scatter: what is there, from where it is seen, and its random numbers.
+pub(super) struct PathVertex<'a, R: Real, S> {
+    pub world: &'a World,
+    pub shade: &'a S,
+    pub surface: &'a Surface<R>,
+    /// About the shading normal.
+    pub frame: Frame<R>,
+    /// Whence the path came, in the frame.
+    pub wo: Vec3<R>,
+    pub u: [R; BOUNCE],
+}
+
+/// What lanes do at a vertex.
+#[derive(Clone, Copy)]
+pub(super) struct Doing<R: Real> {
+    /// Scatter light samples.
+    pub lit: R::Mask,
+    /// And a ray by the material, which may find the same light.
+    pub scatter: R::Mask,
+    /// Keep what comes of either for all pixels of their block.
+    pub shared: R::Mask,
+}
+
 /// One vertex of every path, all of which hit something: adds what it emits, samples a light, and scatters; lanes that go
 /// on stay alive. Shadow rays of lanes that carry something are pushed. Inlined where the paths are unpacked, so that they
 /// need not pass through memory.
@@ -118,32 +141,18 @@ pub(super) fn vertex<R: Real, S: Shade, P: Probe>(
     if world.plan.path_reuse {
         reuse::keep_first(world.max_bounces, surface, paths, scatters, out);
     }
-    let alone = by_lights_alone(world, paths, &surface, scatters);
-    let u = numbers(world, paths, scatters & !alone, probe);
+    let scatter = scatters & !by_lights_alone(world, paths, &surface, scatters);
+    let doing = Doing { lit: scatters, scatter, shared };
+    let u = numbers(world, paths, scatter, probe);
+    let at = PathVertex { world, shade, surface: &surface, frame, wo, u };
     if (world.lights.is_some() || S::OWN_LIGHT) && scatters.any() {
-        let arrival = arrival.as_ref();
-        let competing = scatters & !alone;
-        sample_direct(
-            world,
-            shade,
-            paths,
-            &surface,
-            &frame,
-            wo,
-            &u,
-            [scatters, competing, shared],
-            arrival,
-            shadows,
-            out,
-            probe,
-        );
+        sample_direct(&at, paths, doing, arrival.as_ref(), shadows, out, probe);
     }
-    let scatters = scatters & !alone;
-    if scatters.none() && shared.none() {
-        paths.alive = scatters;
+    if scatter.none() && shared.none() {
+        paths.alive = scatter;
         return;
     }
-    let (sample, carried) = scatter(world, shade, paths, &surface, &frame, wo, &u, [scatters, shared], probe);
+    let (sample, carried) = at.scatter(paths, doing, probe);
     if let Some(arrival) = arrival.filter(|_| paths.alive.any()) {
         let back = reversed_pdf(world, shade, paths.hit, surface, [wo, sample.wi], paths.alive & !sample.delta);
         arrival.leave(surface, sample, [wo.z, back], *paths, out);
@@ -234,41 +243,33 @@ fn add_emission<R: Real, S: Shade, P: Probe>(
     out.add(paths.slot, contribution, emitting);
 }
 
-/// Samples the material and sends the path on, or ends it. Returns the sample, and what decides on the path's end: what it
-/// carries, or where it goes on for all pixels that share it, what it would if it began at this vertex. (What is left of it by
-/// the first vertex of its own pixel says nothing of what others see of it: may be nothing.)
-#[inline(always)]
-#[allow(clippy::too_many_arguments)]
-fn scatter<R: Real, S: Shade, P: Probe>(
-    world: &World,
-    shade: &S,
-    paths: &mut Paths<R>,
-    surface: &Surface<R>,
-    frame: &Frame<R>,
-    wo: Vec3<R>,
-    u: &[R; BOUNCE],
-    [scatters, shared]: [R::Mask; 2],
-    probe: &mut P,
-) -> (Sample<R>, Vec3<R>) {
-    let numbers = [u[BSDF_LOBE], u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]];
-    let sample = shade.sample(world, &paths.hit, surface, wo, numbers, scatters);
-    let direction = frame.to_world(sample.wi);
-    let goes_on = scatters & sample.valid & same_side(sample.wi.z, surface.ng.dot(direction));
-    let lanes = paths.lanes(goes_on);
-    let mut weight = sample.weight;
-    if world.plan.shading_normals {
-        let softened = surface.terminator(direction, sample.wi.z, wo.z);
-        weight = weight * R::select(sample.delta, R::one(), softened);
+impl<R: Real, S: Shade> PathVertex<'_, R, S> {
+    /// Samples the material and sends the path on, or ends it. Returns the sample, and what decides on the path's end: what it
+    /// carries, or where it goes on for all pixels that share it, what it would if it began at this vertex. (What is left of it by
+    /// the first vertex of its own pixel says nothing of what others see of it: may be nothing.)
+    #[inline(always)]
+    fn scatter<P: Probe>(&self, paths: &mut Paths<R>, doing: Doing<R>, probe: &mut P) -> (Sample<R>, Vec3<R>) {
+        let PathVertex { world, shade, surface, frame, wo, u } = self;
+        let numbers = [u[BSDF_LOBE], u[BSDF_DIRECTION], u[BSDF_DIRECTION + 1]];
+        let sample = shade.sample(world, &paths.hit, surface, *wo, numbers, doing.scatter);
+        let direction = frame.to_world(sample.wi);
+        let goes_on = doing.scatter & sample.valid & same_side(sample.wi.z, surface.ng.dot(direction));
+        let lanes = paths.lanes(goes_on);
+        let mut weight = sample.weight;
+        if world.plan.shading_normals {
+            let softened = surface.terminator(direction, sample.wi.z, wo.z);
+            weight = weight * R::select(sample.delta, R::one(), softened);
+        }
+        let weight = probe.tap_rgb(Stage::BsdfWeight, lanes, weight);
+        let pdf = probe.tap(Stage::BsdfPdf, lanes, sample.pdf);
+        paths.beta = paths.beta.hadamard(weight);
+        paths.bsdf_pdf = R::select(sample.delta, R::splat(f32::INFINITY), pdf);
+        paths.eta_squared = paths.eta_squared * sample.eta * sample.eta;
+        let carried = Vec3::select(doing.shared & !sample.delta, weight, paths.beta);
+        paths.alive = goes_on & carried.max_component().gt(R::zero());
+        paths.ray = surface.ray_towards(direction);
+        (sample, carried)
     }
-    let weight = probe.tap_rgb(Stage::BsdfWeight, lanes, weight);
-    let pdf = probe.tap(Stage::BsdfPdf, lanes, sample.pdf);
-    paths.beta = paths.beta.hadamard(weight);
-    paths.bsdf_pdf = R::select(sample.delta, R::splat(f32::INFINITY), pdf);
-    paths.eta_squared = paths.eta_squared * sample.eta * sample.eta;
-    let carried = Vec3::select(shared & !sample.delta, weight, paths.beta);
-    paths.alive = goes_on & carried.max_component().gt(R::zero());
-    paths.ray = surface.ray_towards(direction);
-    (sample, carried)
 }
 
 /// Albedo, shading normal towards the viewer and distance of the first hit.

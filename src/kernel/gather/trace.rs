@@ -18,6 +18,15 @@ use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
 /// A density so small beside any light's that a hit on a light counts for nothing: its samples have it.
 const LEFT_TO_LIGHT_SAMPLES: f32 = 1e-30;
 
+/// Rays that leave a hit.
+pub(super) struct Leaving<R: Real> {
+    pub ray: Ray<R>,
+    /// Those that there are.
+    pub carries: R::Mask,
+    /// Those for which lights that they meet count: the others have light samples.
+    pub direct: R::Mask,
+}
+
 /// The contributions of the rays of one hit, by index.
 pub(super) struct Beams {
     values: [Vec<f32>; 3],
@@ -107,48 +116,43 @@ impl Beams {
         sums
     }
 
-    /// Adds throughput · light for the lanes that carry something. Lights that rays meet count in `direct` lanes: the
-    /// others have light samples.
+    /// Adds throughput · light for the lanes that carry something.
     #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
     pub fn add<R: Real>(
         &mut self,
         world: &World,
         vertex: &Vertex<R>,
         first: usize,
-        ray: &Ray<R>,
+        rays: Leaving<R>,
         throughput: Vec3<R>,
-        carries: R::Mask,
-        direct: R::Mask,
         counters: &mut Counters,
     ) {
         let goes_on = world.max_bounces > 1.0;
-        let carries = if goes_on { carries } else { carries & direct };
+        let carries = if goes_on { rays.carries } else { rays.carries & rays.direct };
         if carries.none() {
             return;
         }
         counters.traced(false, carries);
         let arriving = if goes_on {
-            self.continued::<R>(world, vertex, first, ray, carries, direct, counters)
+            self.continued::<R>(world, vertex, first, &rays, counters)
         } else {
-            seen::<R>(world, vertex, first, ray, carries)
+            seen::<R>(world, vertex, first, &rays.ray, carries)
         };
         self.put(first, throughput.hadamard(arriving).masked(carries));
     }
 
     /// Paths that go on from the first hit.
     #[inline(never)]
-    #[allow(clippy::too_many_arguments)]
     fn continued<R: Real>(
         &mut self,
         world: &World,
         vertex: &Vertex<R>,
         first: usize,
-        ray: &Ray<R>,
-        carries: R::Mask,
-        direct: R::Mask,
+        rays: &Leaving<R>,
         counters: &mut Counters,
     ) -> Vec3<R> {
+        let Leaving { ray, carries, direct } = rays;
+        let (carries, direct) = (*carries, *direct);
         let out = &mut self.paths;
         out.reset(R::WIDTH, false);
         let rng = vertex.numbers(first).0;

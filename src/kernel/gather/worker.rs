@@ -4,7 +4,7 @@ use super::draw::Directions;
 use super::lobe::{self, Parts};
 use super::shrink::Watch;
 use super::tables::GatherTables;
-use super::trace::{Beams, Estimate};
+use super::trace::{Beams, Estimate, Leaving};
 use super::{About, LOBE_RAYS, Vertex};
 use crate::accel::{Built, Shadow, Stream};
 use crate::geometry::Ray;
@@ -137,7 +137,7 @@ impl Worker<'_> {
             let throughput = f_cos * weight;
             let ray = Ray { origin: surface.leave(direction), direction, t_max: R::splat(f32::INFINITY) };
             let carries = keep & throughput.max_component().abs().gt(R::zero());
-            beams.add::<R>(world, vertex, first, &ray, throughput, carries, direct, counters);
+            beams.add::<R>(world, vertex, first, Leaving { ray, carries, direct }, throughput, counters);
         }
         if let Some(watch) = watch {
             watch.see(about.family, set, beams);
@@ -167,7 +167,7 @@ impl Worker<'_> {
             let direct = sample.delta | R::Mask::splat(!sampled);
             let ray = Ray { origin: surface.leave(direction), direction, t_max: R::splat(f32::INFINITY) };
             let carries = keep & throughput.max_component().gt(R::zero());
-            beams.add::<R>(world, vertex, first, &ray, throughput, carries, direct, counters);
+            beams.add::<R>(world, vertex, first, Leaving { ray, carries, direct }, throughput, counters);
         }
     }
 
