@@ -205,7 +205,9 @@ fn spheres(
         }
         let name = table.material.as_ref();
         let material = materials.defined(name, notes).unwrap_or_else(|| {
-            let mend = format!("add [materials.{name}], or name another");
+            let bare = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c));
+            let key = if bare { name.clone() } else { format!("{name:?}") };
+            let mend = format!("add [materials.{key}], or name another");
             Err(text.error(table.material.span(), format!("material `{name}` is not defined"), mend))
         })?;
         Ok(Sphere { center, radius, material })

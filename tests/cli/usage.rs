@@ -94,6 +94,22 @@ fn files_that_are_not_there_are_said_with_a_mend() {
     }
 }
 
+/// What is to be added is said as TOML has it.
+#[test]
+fn materials_that_are_not_there_are_named_as_a_scene_would() {
+    let scratch = Scratch::new();
+    let scene = std::fs::read_to_string(scratch.path("scene.toml")).unwrap();
+    for (name, table) in
+        [("steel", "[materials.steel]"), ("", "[materials.\"\"]"), ("old brass", "[materials.\"old brass\"]")]
+    {
+        let worn = scene.replacen("material = \"metal\"", &format!("material = \"{name}\""), 1);
+        assert_ne!(worn, scene);
+        std::fs::write(scratch.path("worn.toml"), worn).unwrap();
+        let said = refused(&scratch, &["info", "worn.toml"]);
+        assert!(said.contains(&format!("add {table}, or")), "{said}");
+    }
+}
+
 /// A key that this kind of integrator does not read is no error (who looks at a view changes `kind` alone), and no secret.
 #[test]
 fn keys_that_change_nothing_are_told() {
