@@ -42,9 +42,10 @@ impl<'a, B: Block> Leaves<'a, B> {
     #[inline(always)]
     pub fn edges<E: Real>(&self, count: usize, lanes: &Lanes<RAYS>, found: &mut Candidates) -> usize {
         let mut passed = [0u32; RAYS];
-        for k in 0..count {
-            let block = self.block(k);
-            passed[k % RAYS] = block.passed(&lanes.ray::<E>(self.ray(k)), &mut found.edges[k % RAYS]);
+        let at = self.rays[..count].iter().zip(&self.children[..count]);
+        for ((ray, child), (passed, edges)) in at.zip(passed.iter_mut().zip(&mut found.edges)) {
+            let block = &self.tree.blocks[Child(*child).index()];
+            *passed = block.passed(&lanes.ray::<E>(*ray as usize % RAYS), edges);
         }
         let places = E::Bits::load(&[0, 1, 2, 3, 4, 5, 6, 7]);
         let mut len = 0;

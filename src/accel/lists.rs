@@ -76,9 +76,10 @@ impl Lists {
     pub fn listed(&self, kind: usize, before: Counts, after: Counts) -> &[u32] {
         &self.children[kind][before.0[kind]..after.0[kind]]
     }
+    /// The first `count` rays of a list.
     #[inline(always)]
-    pub fn ray(&self, kind: usize, k: usize) -> usize {
-        self.rays[kind][k % RAYS] as usize % RAYS
+    pub fn rays(&self, kind: usize, count: usize) -> impl Iterator<Item = usize> + '_ {
+        self.rays[kind][..count].iter().map(|ray| *ray as usize % RAYS)
     }
     /// The rays of a list and their children.
     #[inline(always)]
@@ -93,8 +94,9 @@ pub struct Chosen([u32; ROOM]);
 impl Chosen {
     pub const NONE: Self = Self([0; ROOM]);
 
+    /// Of its first `count` rays.
     #[inline(always)]
-    pub fn set(&mut self, k: usize, child: Child) {
-        self.0[k % RAYS] = child.0;
+    pub fn of(&mut self, count: usize) -> &mut [u32] {
+        &mut self.0[..count]
     }
 }

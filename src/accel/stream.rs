@@ -39,12 +39,10 @@ impl<B: Block> Walk<'_, B> {
     /// hold back whatever is read after it. So is the sorting that follows, eight rays at a time and without a branch.
     #[inline(always)]
     fn send<E: Real>(&mut self, counts: &mut Counts, kind: usize, count: usize, best: &Best) {
-        for k in 0..count {
-            let i = self.lists.ray(kind, k);
-            let place = self.top[i] as usize;
+        for (ray, chosen) in self.lists.rays(kind, count).zip(self.chosen.of(count)) {
+            let place = self.top[ray] as usize;
             let (t_near, child) = (self.stacks.t_near[place], self.stacks.child[place]);
-            let child = Child(select_unpredictable(t_near <= best.t(i), child, Child::NONE.0));
-            self.chosen.set(k, child);
+            *chosen = select_unpredictable(t_near <= best.t(ray), child, Child::NONE.0);
         }
         let before = *counts;
         self.lists.sort::<E>(counts, kind, count, self.chosen);
@@ -86,11 +84,10 @@ impl<B: Block> Walk<'_, B> {
     /// Takes from the stacks of the first rays of a list those of the last eight children that they enter no more.
     #[inline(always)]
     fn pop_all<E: Real>(&mut self, kind: usize, count: usize, best: &Best) {
-        for k in 0..count {
-            let i = self.lists.ray(kind, k);
-            let below = self.top[i] as usize - FLOOR;
-            let open = E::load(&self.stacks.t_near[below..]).le_bits(E::splat(best.t(i)));
-            self.top[i] = below as u32 + (open | 1).ilog2();
+        for ray in self.lists.rays(kind, count) {
+            let below = self.top[ray] as usize - FLOOR;
+            let open = E::load(&self.stacks.t_near[below..]).le_bits(E::splat(best.t(ray)));
+            self.top[ray] = below as u32 + (open | 1).ilog2();
         }
     }
 }

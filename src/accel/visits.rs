@@ -92,13 +92,13 @@ impl Visits {
     #[inline(always)]
     fn take(&mut self, kind: usize, most: usize) -> usize {
         let (list, end) = (&self.lists[kind], self.len[kind]);
-        self.len[kind] = end - end.min(most);
+        let taken = end - end.min(most)..end;
+        self.len[kind] = taken.start;
         let mut count = 0;
-        for k in self.len[kind]..end {
-            let ray = list.rays[k];
-            self.rays[count % RAYS] = ray;
-            self.children[count % RAYS] = list.children[k];
-            count += self.open.0[ray as usize % RAYS] as usize;
+        for (ray, child) in list.rays[taken.clone()].iter().zip(&list.children[taken]) {
+            self.rays[count % RAYS] = *ray;
+            self.children[count % RAYS] = *child;
+            count += self.open.0[*ray as usize % RAYS] as usize;
         }
         count
     }

@@ -153,7 +153,8 @@ fn table(report: &ConvergeReport) -> String {
         let to = |target: &converge::Target| match target.seconds {
             Some(s) => {
                 let guess = if s.extrapolated { " ~" } else { "" };
-                format!("{:e}: {:.3} s [{:.3}, {:.3}]{guess}", target.relmse, s.budget, s.lo, s.hi)
+                let doubt = if v.is_doubted(target.relmse) { " *" } else { "" };
+                format!("{:e}: {:.3} s [{:.3}, {:.3}]{guess}{doubt}", target.relmse, s.budget, s.lo, s.hi)
             }
             None => format!("{:e}: -", target.relmse),
         };

@@ -52,7 +52,7 @@ pub struct RenderArgs {
     /// the tiles next to it tell: adds no bias. With --spp N they have N on average
     #[arg(long, conflicts_with_all = ["tile", "state", "resume", "samples", "ladder", "unbiased"])]
     adaptive: bool,
-    /// Also write albedo.*, N.* and Z of the first hit, and bmc.variance.* where the scene gathers by bmc or bmc-is
+    /// Also write albedo.*, N.* and Z (distance along the ray) of the first hit, and bmc.variance.* where the scene gathers by bmc or bmc-is
     #[arg(long)]
     aovs: bool,
     /// Print what the plan kept and left out for this scene, and why

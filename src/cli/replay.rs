@@ -48,6 +48,9 @@ pub fn run(args: &ReplayArgs) -> Result<bool, CliError> {
     let records = recorder.records.get(slot as usize).map_or(&[][..], Vec::as_slice);
     if !args.bits {
         print!("{}", describe(records, &scene, world.unit));
+        if world.plan.light_paths {
+            println!("(an image also has what paths from the lights bring to this pixel)");
+        }
         return Ok(true);
     }
     for vertex in records.chunk_by(|a, b| a.bounce == b.bounce) {

@@ -176,7 +176,9 @@ impl fmt::Display for Summary {
             self.peak_memory_bytes.unwrap_or(0) >> 20
         )?;
         if let Some(e) = self.relative_error {
-            let bound = if self.sampler != SamplerKind::Independent {
+            // Where few samples carry it, most renders miss some of what there is: no bound then.
+            let known = self.relative_error_trusted == Some(true);
+            let bound = if known && self.sampler != SamplerKind::Independent {
                 ", at most: even samples do better than s²/n says"
             } else {
                 ""

@@ -142,7 +142,7 @@ impl fmt::Display for ZScores {
         writeln!(f, "largest |z|     {max_abs:.3} at {max_at}")?;
         writeln!(
             f,
-            "beyond bound    {beyond_bound} (|z| > {bound:.3}: none in 99 of 100 comparisons of equal images)"
+            "beyond bound    {beyond_bound} (|z| > {bound:.3}: none in 99 of 100 comparisons of equal images whose errors are normal)"
         )?;
         if *unexplained > 0 {
             writeln!(f, "no variance     {unexplained} values differ although both claim none")?;

@@ -112,6 +112,9 @@ fn the_largest_sample_is_that_of_the_renders() {
     let expected = largest / all.iter().map(|a| a.0).sum::<f64>();
     let found = eight.largest_sample_share.expect("eight samples");
     assert!((found / expected - 1.0).abs() < 1e-12 && found > 0.0, "{found} for {expected}");
+    assert_eq!([one, eight].map(|row| row.relmse_trusted), [one, eight].map(|row| row.doubts.is_empty()));
+    let doubted = |row: &octolux::report::converge::Row| !row.doubts.is_empty();
+    assert_eq!(report.variants[0].is_doubted(1e-3), doubted(one) || doubted(eight));
     let flagged = eight.doubts.iter().any(|doubt| doubt.contains("one sample makes up"));
     assert_eq!(flagged, found > octolux::film::shares::LARGEST_TRUSTED_OF_ERROR);
 }

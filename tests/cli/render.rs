@@ -176,3 +176,17 @@ fn a_gathers_variances_say_what_they_are() {
     assert_eq!(own.variance_validity(), Some(VarianceValidity::Independent));
     assert!(own.channel("bmc.variance.G").is_none() && own.attribute("bmc_variance").is_none());
 }
+
+/// Where few samples carry the error, most renders miss some of what there is: their estimate is no upper bound then.
+#[test]
+fn an_error_that_is_not_to_be_trusted_is_no_bound() {
+    let scratch = Scratch::new();
+    let mut seen = [0, 0];
+    for spp in ["2", "4", "8", "512"] {
+        let said = text(&scratch.run(&["render", "scene.toml", "-o", "a.exr", "--spp", spp]).stderr);
+        let trusted = !said.contains("this error is not to be trusted");
+        assert_eq!(said.contains(", at most: "), trusted, "{said}");
+        seen[usize::from(trusted)] += 1;
+    }
+    assert!(seen[0] > 0 && seen[1] > 0, "{seen:?}");
+}

@@ -31,3 +31,14 @@ fn contributions_add_up_to_the_pixel() {
     }
     assert!(surfaces > 20 && lights > 20 && shadows > 0, "{surfaces} {lights} {shadows}");
 }
+
+/// What a path adds is not all that an image has where paths come from the lights, too.
+#[test]
+fn paths_from_the_lights_are_told_of() {
+    let scratch = Scratch::new();
+    for (light_paths, told) in [("on", true), ("off", false)] {
+        let replay = ["replay", "scene.toml", "--pixel", "12,9", "--light-paths", light_paths];
+        let said = text(&scratch.run(&replay).stdout);
+        assert_eq!(said.contains("paths from the lights"), told, "{said}");
+    }
+}

@@ -82,7 +82,7 @@ pub fn interval(function: &str, range: [f64; 2], density: Option<&str>, width: W
         }
     };
     let length = range[1] - range[0];
-    let squares = integrate(|x| f.at(x).powi(2), range).0;
+    let squares = second_moment(|x| f.at(x).powi(2), range);
     let absolute = integrate(|x| f.at(x).abs(), range).0;
     // Where quadrature does not converge there is most likely nothing to converge to.
     if !exact.is_finite() || exact_error > MOST_ERROR * absolute {
@@ -93,7 +93,7 @@ pub fn interval(function: &str, range: [f64; 2], density: Option<&str>, width: W
     }
     let importance = density.map(|text| -> Result<(Shared, f64), String> {
         let density = Density::new(Expression::parse(text)?, range)?;
-        let second = integrate(|x| f.at(x).powi(2) / density.at(x), range).0;
+        let second = second_moment(|x| f.at(x).powi(2) / density.at(x), range);
         Ok((Arc::new(Importance { f: f.clone(), density }), second - exact * exact))
     });
     Ok(UnitProblem {
@@ -108,11 +108,21 @@ pub fn interval(function: &str, range: [f64; 2], density: Option<&str>, width: W
         importance: importance.transpose()?,
         optimal_variance: Some((absolute * absolute - exact * exact).max(0.0)),
         control: Some((Arc::new(Uniform { f: Arc::new(Expression::parse("1+x")?), range: [0.0, 1.0] }), 1.5)),
-        clamp: 0.9 * length * squares.sqrt() / length.sqrt(),
+        // Where that is no number nothing is clamped.
+        clamp: (0.9 * length * squares.sqrt() / length.sqrt()).min(f64::MAX),
         integrand: Arc::new(Uniform { f, range }),
         rules: true,
         width,
     })
+}
+
+/// ∫ of what a variance is made of: infinite where it seems to be, NaN (no prediction) where quadrature does not know it well.
+fn second_moment(f: impl Fn(f64) -> f64, range: [f64; 2]) -> f64 {
+    match integrate(f, range) {
+        (value, error) if error <= MOST_ERROR * value => value,
+        (value, error) if value == f64::INFINITY || error == f64::INFINITY => f64::INFINITY,
+        _ => f64::NAN,
+    }
 }
 
 pub(super) fn check_range([a, b]: [f64; 2]) -> Result<(), String> {

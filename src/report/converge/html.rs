@@ -116,7 +116,8 @@ fn cost_row(v: &VariantReport) -> Vec<Cell> {
         }
     };
     for target in &v.targets {
-        row.extend([target.seconds, target.wall_seconds, target.paths].map(|r| Cell::from(reached(r))));
+        let cell = if v.is_doubted(target.relmse) { Cell::flagged } else { Cell::from };
+        row.extend([target.seconds, target.wall_seconds, target.paths].map(|r| cell(reached(r))));
     }
     row
 }

@@ -72,6 +72,17 @@ pub struct VariantReport {
     pub targets: Vec<Target>,
 }
 
+impl VariantReport {
+    /// Rests what is said of a relMSE on intervals that cannot be trusted: on those of one of the two nearest rows?
+    pub fn is_doubted(&self, relmse: f64) -> bool {
+        let far =
+            |row: &&Row| if row.relmse.value > 0.0 { (row.relmse.value / relmse).ln().abs() } else { f64::INFINITY };
+        let mut rows: Vec<&Row> = self.rows.iter().collect();
+        rows.sort_by(|a, b| far(a).total_cmp(&far(b)));
+        rows.iter().take(2).any(|row| !row.doubts.is_empty())
+    }
+}
+
 /// What a relMSE costs; `None` where it cannot be said.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Target {
@@ -113,7 +124,8 @@ pub struct Row {
     /// The largest single sample's share of the squared relative error of all seeds, as their own variances have it; `None`
     /// of one sample a pixel.
     pub largest_sample_share: Option<f64>,
-    /// May the intervals of MSE and RMSE, and of relMSE, be relied on?
+    /// May the intervals of MSE and RMSE be relied on, and that of relMSE? Of relMSE only where nothing is in doubt: seeds in which no
+    /// value stands out may be those that missed what others find, and the squared error tells of that sooner.
     pub rmse_trusted: bool,
     pub relmse_trusted: bool,
     /// Why they may not, in words; empty if both may.
@@ -144,6 +156,7 @@ pub fn row(variant: String, cells: &[&Cell], setup: f64, (absolute, relative): (
     let first = cells[0];
     let seconds = Estimate::mean(&seconds);
     let shares = (absolute.largest_share, relative.largest_share);
+    let all_doubts = all_doubts(cells, shares, (absolute.error, relative.error));
     Row {
         variant,
         budget: first.key.budget,
@@ -166,8 +179,8 @@ pub fn row(variant: String, cells: &[&Cell], setup: f64, (absolute, relative): (
         largest_relative_share: shares.1,
         largest_sample_share: largest_sample_share(cells),
         rmse_trusted: doubts(cells.len(), shares.0, absolute.error, "").is_empty(),
-        relmse_trusted: doubts(cells.len(), shares.1, relative.error, "").is_empty(),
-        doubts: all_doubts(cells, shares, (absolute.error, relative.error)),
+        relmse_trusted: all_doubts.is_empty(),
+        doubts: all_doubts,
         seeds: cells.iter().zip(mae).map(seed).collect(),
     }
 }
