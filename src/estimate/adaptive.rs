@@ -2,8 +2,11 @@
 
 use super::rules::Gauss;
 
-/// Halvings at most: as many as halve a panel at 0 to nothing. Elsewhere numbers end sooner.
+/// Halvings at most: as many as halve a panel at 0 to nothing.
 const DEPTH: u32 = 1000;
+/// Elsewhere numbers end sooner: a panel this narrow, relative to where it is, holds some thousand of them, and its nodes must not fall
+/// together on what it corners.
+const NARROWEST: f64 = 1e-12;
 /// Panels at most, so that a function which is noise to the last bit ends too.
 const PANELS: u32 = 100_000;
 /// Where each halving leaves more than this of the difference before, it is taken to go on for ever.
@@ -41,7 +44,7 @@ impl<F: Fn(f64) -> f64> Walk<F> {
         let difference = (fine - coarse).abs();
         self.panels_left = self.panels_left.saturating_sub(1);
         let middle = 0.5 * (a + b);
-        let cornered = depth == DEPTH || !(a < middle && middle < b);
+        let cornered = depth == DEPTH || b - a <= NARROWEST * a.abs().max(b.abs());
         if difference <= self.tolerance || cornered || self.panels_left == 0 || !difference.is_finite() {
             // At a singularity xᵃ each halving leaves the same part q of a difference: further ones would sum to q/(1 − q) of this.
             let left = difference / parent;

@@ -36,7 +36,7 @@ fn arguments_that_cannot_be_take_one_line() {
         (&["render", "scene.toml", "--adaptive", "--tile", "4"], "cannot be used with '--tile"),
         (&["render", "scene.toml", "--exposure", "1"], "--png <FILE.png>; `octolux render"),
         (
-            &["completions", "tcsh"],
+            &["completions", "cmd"],
             "[possible values: bash, elvish, fish, powershell, zsh]; `octolux completions --help`",
         ),
         (&["rendre", "scene.toml"], "a similar subcommand exists: 'render'"),

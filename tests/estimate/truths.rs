@@ -130,7 +130,7 @@ fn singular_ends_are_known_as_well_as_is_said() {
             v => assert!((v / variance - 1.0).abs() < 1e-3, "x^{a}: {v} for {variance}"),
         }
     }
-    // Not at an end: numbers next to .3 are too far from each other to corner it.
+    // Not at an end: numbers next to .3 are too far from each other to corner it as well.
     let inside = interval("abs(x-0.3)^(-0.5)", [0.0, 1.0], None, W).unwrap();
     let truth = 2.0 * (0.3f64.sqrt() + 0.7f64.sqrt());
     let (exact, error) = (inside.quantity.exact, inside.quantity.exact_error);
