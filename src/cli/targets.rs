@@ -174,16 +174,16 @@ fn attributes(film: &Film, facts: &Facts) -> Vec<(String, Attribute)> {
     let text = |s: &str| Attribute::Text(s.to_string());
     let belief = film.channels().has_posterior().then(|| ("bmc_variance".to_string(), text(BELIEF)));
     [
-        ("octolux.version", text(env!("CARGO_PKG_VERSION"))),
-        ("octolux.scene", text(&facts.scene)),
-        ("octolux.samples", Attribute::Integer(film.mean_samples().round() as u64)),
-        ("octolux.render_seconds", Attribute::Float(facts.render_seconds as f32)),
-        ("octolux.seed", Attribute::Integer(facts.seed)),
-        ("octolux.sampler", text(facts.sampler.name())),
-        ("octolux.stopped_by", text(&format!("{:?}", facts.stopped_by).to_lowercase())),
-        ("octolux.claim", text(facts.stopped_by.claim())),
-        ("octolux.discarded_samples", Attribute::Integer(film.discarded().count)),
-        ("octolux.cpu_features", text(&crate::cpu::compiled_features().join(" "))),
+        ("version", text(env!("CARGO_PKG_VERSION"))),
+        ("scene", text(&facts.scene)),
+        ("samples", Attribute::Integer(film.mean_samples().round() as u64)),
+        ("render_seconds", Attribute::Float(facts.render_seconds as f32)),
+        ("seed", Attribute::Integer(facts.seed)),
+        ("sampler", text(facts.sampler.name())),
+        ("stopped_by", text(&format!("{:?}", facts.stopped_by).to_lowercase())),
+        ("claim", text(facts.stopped_by.claim())),
+        ("discarded_samples", Attribute::Integer(film.discarded().count)),
+        ("cpu_features", text(&crate::cpu::compiled_features().join(" "))),
     ]
     .map(|(name, value)| (name.to_string(), value))
     .into_iter()

@@ -11,7 +11,7 @@ use exr::block::writer::ChunksWriter;
 use exr::block::{BlockIndex, UncompressedBlock};
 use exr::meta::BlockDescription;
 use exr::meta::attribute::{AttributeValue, ChannelDescription, LineOrder, SampleType, Text};
-use exr::meta::header::{Header, LayerAttributes, standard_names};
+use exr::meta::header::{Header, LayerAttributes};
 use exr::prelude::{Compression, SmallVec};
 use rayon::prelude::*;
 
@@ -35,7 +35,8 @@ const SAMPLES: &str = "samples";
 const POSTERIOR: [&str; 3] = ["bmc.variance.R", "bmc.variance.G", "bmc.variance.B"];
 
 /// Writes the film to `path` (beside it first, then renamed). `attributes` go to the header, together with
-/// `variance_validity`; a name that the format reserves is stored as `octolux.NAME`. Works in the current rayon pool.
+/// `variance_validity`, each stored as `octolux.NAME` (the format keeps some names, as `version`, for itself) and read as `NAME`.
+/// Works in the current rayon pool.
 ///
 /// # Errors
 /// The file cannot be written, or an attribute's name is not allowed in a header; the message names `path`.
@@ -180,20 +181,16 @@ fn header<'a>(
     let software = text(concat!("octolux ", env!("CARGO_PKG_VERSION")));
     let mut own = LayerAttributes { software_name: Some(software), ..LayerAttributes::default() };
     for (name, value) in attributes {
-        if name.is_empty() || name.len() > 255 || name.contains('\0') {
-            return Err(format!("`{name}` cannot name an attribute: 1 to 255 bytes are needed"));
+        let stored = format!("{NAME_PREFIX}{name}");
+        if name.is_empty() || stored.len() > 255 || name.contains('\0') {
+            let most = 255 - NAME_PREFIX.len();
+            return Err(format!("`{name}` cannot name an attribute: 1 to {most} bytes are needed"));
         }
-        own.other.insert(text(&stored_name(name)), attribute_value(value));
+        own.other.insert(text(&stored), attribute_value(value));
     }
     Ok(Header::new(Text::default(), size, channels)
         .with_encoding(COMPRESSION, BlockDescription::ScanLines, LineOrder::Increasing)
         .with_attributes(own))
-}
-
-/// The format keeps some names for itself, `version` among them: those get a prefix, which reading takes off.
-fn stored_name(name: &str) -> String {
-    let reserved = standard_names::ALL.contains(&name.as_bytes()) || name.starts_with(NAME_PREFIX);
-    if reserved { format!("{NAME_PREFIX}{name}") } else { name.to_owned() }
 }
 
 fn attribute_value(value: &Attribute) -> AttributeValue {

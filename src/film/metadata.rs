@@ -48,7 +48,7 @@ impl From<u64> for Attribute {
     }
 }
 
-/// Put before attribute names that the format reserves.
+/// Put before the names of attributes, some of which the format reserves.
 pub(crate) const NAME_PREFIX: &str = "octolux.";
 
 /// Name of the attribute that says what `variance.*` may be used for.

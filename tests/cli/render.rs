@@ -17,6 +17,24 @@ fn writes_an_exr_with_variance_and_metadata() {
     {
         assert!(raw.windows(channel.len()).any(|w| w == channel.as_bytes()), "{channel} is in the header");
     }
+    assert_eq!(["samples", "seed"].map(|name| image.attribute(name).unwrap().to_string()), ["8", "3"]);
+}
+
+/// What images say of themselves is what comparing them goes by.
+#[test]
+fn compared_images_tell_their_samples_and_seeds() {
+    let scratch = Scratch::new();
+    for (file, spp) in [("few.exr", "4"), ("a.exr", "64"), ("b.exr", "128")] {
+        let render =
+            ["render", "scene.toml", "-o", file, "--spp", spp, "--sampler", "independent", "--path-reuse", "off"];
+        assert!(scratch.run(&render).status.success());
+    }
+    let said = text(&scratch.run(&["compare", "a.exr", "b.exr"]).stdout);
+    for note in ["samples per pixel: A 64, B 128", "both used seed 0", "64 samples against 128"] {
+        assert!(said.contains(note), "{note}: {said}");
+    }
+    let said = text(&scratch.run(&["compare", "few.exr", "b.exr"]).stdout);
+    assert!(said.contains("4 samples are few") && !said.contains("4 samples against"), "{said}");
 }
 
 #[test]

@@ -235,9 +235,9 @@ fn render_cells(plan: &mut Plan, store: &mut Store) -> Result<Vec<CellKey>, Conv
 fn save(folder: &Path, variant: &Variant, key: CellKey, outcome: &Outcome) -> Result<Cell, ConvergeError> {
     let image = format!("cells/{}.exr", checksum(format!("{key:?}").as_bytes()));
     let attributes = [
-        ("octolux.variant".to_owned(), Attribute::Text(key.variant.clone())),
-        ("octolux.samples".to_owned(), Attribute::Integer(outcome.samples_per_pixel())),
-        ("octolux.seed".to_owned(), Attribute::Integer(key.seed)),
+        ("variant".to_owned(), Attribute::Text(key.variant.clone())),
+        ("samples".to_owned(), Attribute::Integer(outcome.samples_per_pixel())),
+        ("seed".to_owned(), Attribute::Integer(key.seed)),
     ];
     let start = Instant::now();
     let path = folder.join(&image);
