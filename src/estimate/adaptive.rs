@@ -43,18 +43,17 @@ impl<F: Fn(f64) -> f64> Walk<F> {
         let (coarse, fine) = (self.gauss.integrate([a, b], 1, &self.f), self.gauss.integrate([a, b], 2, &self.f));
         let difference = (fine - coarse).abs();
         self.panels_left = self.panels_left.saturating_sub(1);
-        let middle = 0.5 * (a + b);
         let cornered = depth == DEPTH || b - a <= NARROWEST * a.abs().max(b.abs());
         if difference <= self.tolerance || cornered || self.panels_left == 0 || !difference.is_finite() {
             // At a singularity xᵃ each halving leaves the same part q of a difference: further ones would sum to q/(1 − q) of this.
-            let left = difference / parent;
-            let further = match left {
+            let further = match difference / parent {
                 q if q < ENDLESS => 1.0 / (1.0 - q),
                 _ if cornered && difference > self.tolerance => f64::INFINITY,
                 _ => 1.0,
             };
             return (fine, if difference == 0.0 { 0.0 } else { difference * further });
         }
+        let middle = 0.5 * (a + b);
         let left = self.refine([a, middle], difference, depth + 1);
         let right = self.refine([middle, b], difference, depth + 1);
         (left.0 + right.0, left.1 + right.1)
