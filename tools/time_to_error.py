@@ -10,10 +10,10 @@ intervals: rendering alone, and the wall clock from exec to closed file (what is
 of `octolux render`). The peers' seconds are those of
 ../shared/refs/README.md, measured on another machine; tools/peer_mitsuba.py re-measures Mitsuba's paths a second here, and
 its paths to the error follow from C = relMSE·samples, which no machine changes. With --mitsuba, where that is
-installed, its seconds are measured here, in turn with ours: renders by its best sampler (multi-jittered) before and after,
-every second seed each. With --adaptive, samples are divided by a
-pilot (whose paths and seconds count). With --without, the same by renders that go without one of what makes the difference,
-and without all: seconds from exec to file, and how many times as many that is.
+installed, its seconds are measured here, too: renders by its best sampler (multi-jittered), half of the seeds before ours
+and half after. With --adaptive, samples are divided by a pilot (whose paths and seconds count). With --without, the same by
+renders that go without one of what makes the difference, and without all: seconds from exec to file, and how many times as
+many that is.
 """
 import argparse
 import json
@@ -184,6 +184,8 @@ def main():
     parser.add_argument("--json", help="write the table as JSON too")
     parser.add_argument("-o", "--output", default=tempfile.mkdtemp(prefix="octolux-time-to-error-"))
     arguments = parser.parse_args()
+    if arguments.without and (arguments.adaptive or arguments.mitsuba):
+        sys.exit("--without has --adaptive among what it compares, and no peers; leave the other out")
     rows = []
     if arguments.without:
         print("| scene | relMSE | " + " | ".join(WITHOUT) + " |\n|" + "---|" * (2 + len(WITHOUT)))
