@@ -333,3 +333,15 @@ fn a_folder_belongs_to_one_study() {
     let (code, said) = again(&["--resume"]);
     assert!(code == Some(2) && said.contains("another state of the scene"), "{said}");
 }
+
+/// What is said of a target rests on rows; where these have their star, so has it.
+#[test]
+fn targets_that_rest_on_doubted_rows_have_their_star() {
+    let scratch = Scratch::new();
+    let study = ["converge", "scene.toml", "-o", "out", "--spp", "1,4,16", "--seeds", "2", "--reference-spp", "64"];
+    let said = text(&scratch.run(&study).stdout);
+    let targets =
+        said.lines().find(|line| line.contains("slope by samples")).unwrap().split("; relMSE ").nth(1).unwrap();
+    let (known, starred) = (targets.matches(" s [").count(), targets.matches(" *").count());
+    assert!(known > 0 && starred == known, "two seeds are doubted: {said}");
+}

@@ -110,6 +110,18 @@ fn materials_that_are_not_there_are_named_as_a_scene_would() {
     }
 }
 
+#[test]
+fn numbers_without_a_digit_before_the_point_are_told_how_to_be_written() {
+    let scratch = Scratch::new();
+    let scene = std::fs::read_to_string(scratch.path("scene.toml")).unwrap();
+    for number in [".5", "5."] {
+        std::fs::write(scratch.path("point.toml"), scene.replacen("vfov = 40", &format!("vfov = {number}"), 1))
+            .unwrap();
+        let said = refused(&scratch, &["info", "point.toml"]);
+        assert!(said.contains("write digits on both sides of the point, as in 0.5"), "{said}");
+    }
+}
+
 /// A key that this kind of integrator does not read is no error (who looks at a view changes `kind` alone), and no secret.
 #[test]
 fn keys_that_change_nothing_are_told() {
