@@ -345,3 +345,14 @@ fn targets_that_rest_on_doubted_rows_have_their_star() {
     let (known, starred) = (targets.matches(" s [").count(), targets.matches(" *").count());
     assert!(known > 0 && starred == known, "two seeds are doubted: {said}");
 }
+
+/// Seeds in which no value of relMSE stands out may be those that missed what others find, of which the squared error tells.
+#[test]
+fn a_relmse_is_not_trusted_where_the_squared_error_is_not() {
+    let scratch = Scratch::new();
+    let report =
+        study(&scratch, "out", &["--spp", "2", "--seeds", "3", "--reference-spp", "64", "--", "--size", "96x64"]);
+    let row = &report.variants[0].rows[0];
+    assert!(row.largest_share > 0.01 && row.largest_relative_share < 0.01, "{:?}", row.doubts);
+    assert!(!row.rmse_trusted && !row.relmse_trusted, "{:?}", row.doubts);
+}
