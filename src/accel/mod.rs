@@ -38,6 +38,7 @@ use brute::SphereList;
 pub use build::{BuildOptions, BuildReport, Preset};
 pub use built::Built;
 use facets::TriangleList;
+pub use flight::RAYS as FLIGHT;
 use rayon::prelude::*;
 use sphere_block::SphereBlock;
 use std::time::Instant;

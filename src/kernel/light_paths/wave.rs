@@ -4,7 +4,7 @@
 use super::super::cutout;
 use super::super::queue::Queue;
 use super::super::tile::{Counters, lanes_of};
-use super::super::wave::{POOL, TOGETHER};
+use super::super::wave::{POOL, TOGETHER, together};
 use super::super::world::World;
 use super::LightPaths;
 use super::rows::*;
@@ -70,7 +70,7 @@ impl<R: Real> LightWave<'_, R> {
         let mut started = 0;
         loop {
             core::mem::swap(&mut self.going, &mut self.next);
-            for first in (0..self.going.len()).step_by(R::WIDTH * TOGETHER) {
+            for first in (0..self.going.len()).step_by(R::WIDTH * together::<R>()) {
                 self.trace(first);
             }
             self.going.clear();
@@ -92,7 +92,7 @@ impl<R: Real> LightWave<'_, R> {
 
     /// Traces the packets from `first` on; those that hit are shaded as soon as they fill a packet.
     fn trace(&mut self, first: usize) {
-        let count = (self.going.len() - first).div_ceil(R::WIDTH).min(TOGETHER);
+        let count = (self.going.len() - first).div_ceil(R::WIDTH).min(together::<R>());
         let nowhere = Ray::new(Vec3::zero(), Vec3::zero(), R::zero());
         let (mut rays, mut active) = ([nowhere; TOGETHER], [R::Mask::splat(false); TOGETHER]);
         let mut hits = [Hit::miss(R::zero()); TOGETHER];
@@ -145,7 +145,7 @@ impl<R: Real> LightWave<'_, R> {
 
     /// Splats what nothing hides from the camera.
     fn trace_links(&mut self) {
-        for first in (0..self.links.len()).step_by(R::WIDTH * TOGETHER) {
+        for first in (0..self.links.len()).step_by(R::WIDTH * together::<R>()) {
             self.trace_some_links(first);
         }
         self.links.clear();
@@ -154,7 +154,7 @@ impl<R: Real> LightWave<'_, R> {
     /// Of the packets from `first` on.
     #[inline(never)]
     fn trace_some_links(&mut self, first: usize) {
-        let count = (self.links.len() - first).div_ceil(R::WIDTH).min(TOGETHER);
+        let count = (self.links.len() - first).div_ceil(R::WIDTH).min(together::<R>());
         let none = R::Mask::splat(false);
         let mut rays = [Ray::new(Vec3::zero(), Vec3::zero(), R::zero()); TOGETHER];
         let (mut active, mut occluded) = ([none; TOGETHER], [none; TOGETHER]);

@@ -3,7 +3,7 @@
 use crate::accel::{Built, Shadow};
 use crate::geometry::Ray;
 use crate::kernel::tile::Counters;
-use crate::kernel::wave::TOGETHER;
+use crate::kernel::wave::{TOGETHER, together};
 use crate::kernel::world::World;
 use crate::lane::{Mask, Real, Vec3};
 
@@ -36,7 +36,7 @@ impl<R: Real> Segments<R> {
             self.places[self.count] = (place, values);
             self.count += 1;
         }
-        self.count == TOGETHER
+        self.count == together::<R>()
     }
 
     /// Traces them; what is hidden is cleared in the tables.
