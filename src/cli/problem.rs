@@ -69,7 +69,7 @@ pub(super) enum ProblemName {
     Hemisphere,
     /// The light that a pixel of a scene reflects (--scene, --pixel)
     Illumination,
-    /// V[ΣX], V[aX]: rules of variance, by dice
+    /// V(ΣX), V(aX): rules of variance, by dice
     VarianceRules,
     /// A Gaussian process on [0, 1]: prior, posterior, integral (--f)
     #[value(name = "gp-1d")]

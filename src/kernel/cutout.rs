@@ -1,6 +1,6 @@
 //! Cut-outs: surfaces that a ray meets with a probability, their opacity, and else passes as if they were not there.
 //!
-//! A path passes or stops by a number of its own, so that its throughput stays what it was: E[stops] = opacity. The
+//! A path passes or stops by a number of its own, so that its throughput stays what it was: E(stops) = opacity. The
 //! number is a hash of the sample's number for it at this bounce, the primitive and how many were passed before: the
 //! same at any width and in any traversal mode, and independent from surface to surface. Passing is not a bounce: the
 //! ray keeps its origin and density, t counts from there, and so MIS weights are those of the unhindered ray.

@@ -12,7 +12,7 @@ pub(super) const KIND_DIELECTRIC: f32 = 2.0;
 pub(super) const KIND_PHONG: f32 = 3.0;
 pub(super) const KIND_COATED: f32 = 4.0;
 
-/// How [`ConductorFresnel`] is told apart in a row.
+/// How [`ConductorFresnel`](crate::bsdf::ConductorFresnel) is told apart in a row.
 pub(super) const FRESNEL_EXACT: f32 = 0.0;
 pub(super) const FRESNEL_SCHLICK: f32 = 1.0;
 pub(super) const FRESNEL_CONSTANT: f32 = 2.0;

@@ -1,4 +1,4 @@
-//! [`Bits`], [`Real`] and [`Mask`] for the register types of `wide`, once for both widths.
+//! [`Bits`](super::Bits), [`Real`](super::Real) and [`Mask`] for the register types of `wide`, once for both widths.
 
 use super::Mask;
 
@@ -15,7 +15,7 @@ pub(super) trait MaskOps<F, U>: Mask {
     fn blend_bits(self, if_true: U, if_false: U) -> U;
 }
 
-/// [`Bits`] and [`Real`] for one of the register types of `wide`.
+/// [`Bits`](super::Bits) and [`Real`](super::Real) for one of the register types of `wide`.
 macro_rules! wide_lanes {
     ($width:literal, $f:ident, $u:ident, $i:ident, $mask:ident, $eight:ident,
      $lookup4:ident, $rows:ident, $store_rows:ident, $permute:ident, $compress:ident, $extreme:ident, $halves:ident, $le_bits:ident) => {

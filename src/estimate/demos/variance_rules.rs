@@ -1,4 +1,4 @@
-//! V[ΣXᵢ] = ΣV[Xᵢ] for independent X, V[aX] = a²V[X], and what happens when they are not independent: by rolling dice.
+//! V(ΣXᵢ) = ΣV(Xᵢ) for independent X, V(aX) = a²V(X), and what happens when they are not independent: by rolling dice.
 
 use super::{Demonstration, Part};
 use crate::estimate::points::{Points, unit};

@@ -14,7 +14,7 @@ use std::path::Path;
 /// Larger images are averaged down to this side: the page holds all of them.
 const LARGEST_SIDE: u32 = 640;
 
-/// What [`write`] writes for so many variants, in the study's folder.
+/// What [`write()`] writes for so many variants, in the study's folder.
 pub fn names(variants: usize) -> impl Iterator<Item = String> {
     let of_variant = |number| [format!("images/variant-{number}.png"), format!("images/variant-{number}-error.png")];
     std::iter::once("images/reference.png".to_owned()).chain((0..variants).flat_map(of_variant))

@@ -8,7 +8,7 @@ use crate::lane::{MAX_WIDTH, Real, Vec3, f32x8, f32x16, math};
 use crate::sampling::sample_key;
 use std::sync::Arc;
 
-/// The variant that a name of the form bmc[-is][-zero][-seL|-sobolevS|-equal][-unshrunk][-random|-owen|-fibonacci] asks
+/// The variant that a name of the form `bmc[-is][-zero][-seL|-sobolevS|-equal][-unshrunk][-random|-owen|-fibonacci]` asks
 /// for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Variant {
