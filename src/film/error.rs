@@ -30,7 +30,7 @@ pub enum MergeError {
     Shape,
     #[error("its tiles are of another size and stand at different samples: resume it to the end of a pass first")]
     Tiles,
-    #[error("both hold the block of samples that starts at {first_sample}")]
+    #[error("both hold the block of samples that starts at {first_sample}; merge parts of different samples")]
     Overlap { first_sample: u64 },
     #[error(
         "one of the parts as far as this one ends inside a block of 64 and is not the last: the block of sample {first_sample} is unfinished"

@@ -15,6 +15,7 @@ use exr::prelude::{Vec2, f16};
 use rayon::prelude::*;
 
 use super::error::FilmError;
+use super::exr_chunks::{self, Covered};
 use super::exr_colours::{find_colour, string};
 use super::metadata::{Attribute, NAME_PREFIX, VARIANCE_VALIDITY, VarianceValidity};
 
@@ -22,7 +23,7 @@ use super::metadata::{Attribute, NAME_PREFIX, VARIANCE_VALIDITY, VarianceValidit
 const MAX_SIDE: usize = 65_536;
 
 /// A header may ask for this much memory whatever the file's length: the image of one colour that compresses to nothing.
-const ALWAYS_ALLOWED_BYTES: u64 = 1 << 30;
+const ALWAYS_ALLOWED_BYTES: u64 = 1 << 28;
 
 /// Beyond that, at most this many bytes for each byte of the file: deflate reaches 1032.
 const MAX_EXPANSION: u64 = 2_000;
@@ -84,11 +85,12 @@ pub fn read_exr(path: &Path) -> Result<ExrImage, FilmError> {
 }
 
 fn read(path: &Path) -> Result<ExrImage, String> {
-    let file = File::open(path).map_err(|error| error.to_string())?;
-    let status = file.metadata().map_err(|error| error.to_string())?;
-    if !status.is_file() {
+    // Before it is opened: a pipe that nobody writes to would not be.
+    if path.metadata().is_ok_and(|status| !status.is_file()) {
         return Err("it is not a regular file".to_owned());
     }
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    let status = file.metadata().map_err(|error| error.to_string())?;
     decode(BufReader::new(file), status.len())
 }
 
@@ -142,19 +144,19 @@ fn read_planes<R: Read + Seek>(
         reader.filter_chunks(true, |_, tile, block| block.layer == part && tile.is_largest_resolution_level())?;
     let meta = chunks.meta_data().clone();
     let size = meta.headers[part].layer_size;
-    let mut pixels_read = 0;
+    let (mut pixels_read, mut covered) = (0, Covered::default());
     loop {
         let batch: Vec<Chunk> = chunks.by_ref().take(CHUNKS_IN_FLIGHT).collect::<exr::error::Result<_>>()?;
         if batch.is_empty() {
             break;
         }
-        let blocks: Vec<_> =
-            batch.into_par_iter().map(|chunk| UncompressedBlock::decompress_chunk(chunk, &meta, true)).collect();
+        let blocks: Vec<_> = batch.into_par_iter().map(|chunk| decompress(chunk, &meta)).collect();
         for block in blocks {
             let block = block?;
             if block.index.layer != part {
                 return Err(exr::error::Error::Invalid("a chunk of another part".into()));
             }
+            covered.add(block.index.pixel_position.x(), block.index.pixel_position.y())?;
             pixels_read += block.index.pixel_size.area();
             copy_block(&block, &meta, kept, image);
         }
@@ -163,6 +165,13 @@ fn read_planes<R: Read + Seek>(
         return Err(exr::error::Error::Invalid("pixels are missing".into()));
     }
     Ok(())
+}
+
+fn decompress(chunk: Chunk, meta: &MetaData) -> exr::error::Result<UncompressedBlock> {
+    if let Some(header) = meta.headers.get(chunk.layer_index) {
+        exr_chunks::check(&chunk, header)?;
+    }
+    UncompressedBlock::decompress_chunk(chunk, meta, true)
 }
 
 /// Copies the part of a block that the image shows.
@@ -179,8 +188,11 @@ fn copy_block(block: &UncompressedBlock, meta: &MetaData, kept: &[usize], image:
             continue;
         }
         let (first, end) = (x.clamp(0, width), (x + at.sample_count as i64).clamp(0, width));
+        if first >= end {
+            continue;
+        }
         let kind = channels.list[at.channel].sample_type;
-        let bytes = &line.value[(first - x).min(at.sample_count as i64) as usize * kind.bytes_per_sample()..];
+        let bytes = &line.value[(first - x) as usize * kind.bytes_per_sample()..];
         let row = (y * width) as usize;
         convert(kind, bytes, &mut image.channels[plane].1[row + first as usize..row + end as usize]);
     }

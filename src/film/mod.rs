@@ -13,6 +13,7 @@ pub mod checksum;
 pub mod codec;
 pub mod discarded;
 pub mod error;
+mod exr_chunks;
 mod exr_colours;
 pub mod exr_read;
 pub mod exr_write;

@@ -196,12 +196,12 @@ impl State {
 
 fn read(path: &Path) -> Result<State, String> {
     let unreadable = |error: std::io::Error| format!("cannot read: {error}; check the path and its permissions");
-    let file = File::open(path).map_err(unreadable)?;
-    let status = file.metadata().map_err(unreadable)?;
-    if !status.is_file() {
+    // Before it is opened: a pipe that nobody writes to would not be.
+    if path.metadata().is_ok_and(|status| !status.is_file()) {
         return Err("is not a regular file; name a state file".to_owned());
     }
-    let length = status.len();
+    let file = File::open(path).map_err(unreadable)?;
+    let length = file.metadata().map_err(unreadable)?.len();
     let mut input = BufReader::with_capacity(1 << 20, file);
     let magic: [u8; 8] = array(&mut input).unwrap_or_default();
     if &magic != MAGIC {

@@ -107,7 +107,12 @@ pub fn bench_rays(args: &BenchRaysArgs) -> Result<BenchRaysReport, BenchRaysErro
             log::warn!("{}: not there, skipped", path.display());
         }
     }
-    let scale = power_of_two_to_unit(sets.iter().map(|s| s.1.largest()).fold(triangles.largest(), f32::max));
+    let largest = sets.iter().map(|s| s.1.largest()).fold(triangles.largest(), f32::max);
+    if largest > 0.0 && largest < LEAST_SIZE {
+        let what = format!("no coordinate, of rays neither, is as large as {LEAST_SIZE:e}: scale the scene");
+        return Err(BenchRaysError::Format { path: with_suffix(&args.data, ".tri"), what });
+    }
+    let scale = power_of_two_to_unit(largest);
     triangles.rescale(scale);
     sets.iter_mut().for_each(|(_, rays)| rays.rescale(scale));
     let options = BuildOptions { lists: triangles.count() <= BRUTE_LIMIT * 64, trees: true, preset: args.build };
@@ -159,6 +164,9 @@ fn resolve(mode: TraceMode, triangles: usize, rays: &RaySet) -> TraceMode {
 }
 
 /// The power of two that brings `largest` into [1, 2); 1 for 0.
+/// What scales the largest coordinate to 1 is to be an f32, and is not for all that are smaller.
+const LEAST_SIZE: f32 = 1e-30;
+
 fn power_of_two_to_unit(largest: f32) -> f32 {
     if largest == 0.0 { 1.0 } else { (2.0f64.powi(-(f64::from(largest).log2().floor() as i32))) as f32 }
 }

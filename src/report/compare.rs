@@ -39,7 +39,7 @@ pub struct CompareArgs {
 pub enum CompareError {
     #[error(transparent)]
     Film(#[from] FilmError),
-    #[error("{}: {}x{} pixels, but {} has {}x{}: only images of one size can be compared",
+    #[error("{}: {}x{} pixels, but {} has {}x{}: only images of one size can be compared; render both with one --size",
         .b.display(), .size_b.0, .size_b.1, .a.display(), .size_a.0, .size_a.1)]
     Sizes { a: PathBuf, b: PathBuf, size_a: (u32, u32), size_b: (u32, u32) },
     #[error("stdout: {0}")]

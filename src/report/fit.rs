@@ -155,9 +155,12 @@ impl Reached {
     }
 }
 
+/// A budget that is so many times what was measured is said by nobody.
+const FARTHEST: f64 = 1e6;
+
 /// The budget from which on y ≤ `target`. `points` are (x, y) with x increasing; between neighbours ln y is linear in
 /// ln x, outside the points y goes on from the nearest one with the given `exponent`. `None` where there is nothing to
-/// go by, the errors do not fall, or so slowly that the budget is out of range.
+/// go by, the errors do not fall, or so slowly that the budget is a million times what was measured.
 ///
 /// Its interval is that of y at the budget found, over the slope there; of a budget extrapolated the exponent's error
 /// times the distance is added, not in quadrature, since the exponent may come from the same points.
@@ -174,7 +177,7 @@ pub fn budget_for(points: &[(f64, Estimate)], target: f64, exponent: Option<Esti
         let slope = slope?;
         let far = (target / y.value).ln() / slope.value;
         let error = y.relative_error() / -slope.value + far.abs() * slope.relative_error();
-        let budget = Some(x * far.exp()).filter(|budget| budget.is_finite())?;
+        let budget = Some(x * far.exp()).filter(|budget| (x / FARTHEST..=x * FARTHEST).contains(budget))?;
         return Some(Reached::new(budget, error, y.dof.min(slope.dof), true));
     }
     // The last pair that falls through the target: from there on all measured errors are at most the target.

@@ -18,6 +18,11 @@ const ALWAYS_BELIEVED: usize = 1 << 24;
 /// The most a file is believed to shrink by compression: deflate reaches 1,032:1.
 const BEST_COMPRESSION: usize = 2048;
 
+const JPEG_START: [u8; 3] = [0xff, 0xd8, 0xff];
+const JPEG_END: [u8; 2] = [0xff, 0xd9];
+/// So many bytes may follow the end mark of a JPEG: cameras pad.
+const JPEG_TAIL: usize = 4096;
+
 /// Reads each file once, whoever asks.
 #[derive(Default)]
 pub(super) struct ImageFiles {
@@ -44,11 +49,17 @@ fn read(path: &Path) -> Result<Image, String> {
     if path.is_dir() {
         return Err("is a folder, not an image".to_owned());
     }
+    if path.metadata().is_ok_and(|status| !status.is_file()) {
+        return Err("is not a regular file".to_owned());
+    }
     let bytes = std::fs::read(path).map_err(|error| format!("cannot be read: {error}"))?;
     let is_exr = bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]);
     let image = if is_exr { decode_exr(&bytes) } else { decode(&bytes) }?;
     if image.width == 0 || image.height == 0 {
         return Err("holds no texels".to_owned());
+    }
+    if bytes.starts_with(&JPEG_START) && !has_jpeg_end(&bytes) {
+        log::warn!("{}: has no end mark near its end: it may be cut short, and then shows grey", path.display());
     }
     Ok(image)
 }
@@ -56,7 +67,7 @@ fn read(path: &Path) -> Result<Image, String> {
 fn decode(bytes: &[u8]) -> Result<Image, String> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => decode_png(bytes),
-        [0xff, 0xd8, 0xff, ..] => decode_jpeg(bytes),
+        _ if bytes.starts_with(&JPEG_START) => decode_jpeg(bytes),
         _ => Err("is neither PNG, JPEG nor OpenEXR".to_owned()),
     }
 }
@@ -73,7 +84,12 @@ fn decode_png(bytes: &[u8]) -> Result<Image, String> {
     let (width, height) = reader.info().size();
     let (kind, depth) = reader.output_color_type();
     let is_wide = depth == png::BitDepth::Sixteen;
-    check_size(bytes, width, height, kind.samples() * if is_wide { 2 } else { 1 })?;
+    // By what is stored, in bits: a mask of one bit becomes eight times as much.
+    check_size(bytes, width, height, reader.info().bits_per_pixel())?;
+    // The decoder looks three bytes at a time.
+    if reader.info().palette.as_ref().is_some_and(|palette| palette.len() % 3 != 0) {
+        return Err(broken("its palette is cut short"));
+    }
     let mut texels = vec![0; reader.output_buffer_size().ok_or("is larger than memory")?];
     reader.next_frame(&mut texels).map_err(broken)?;
     let texels = if is_wide {
@@ -95,8 +111,12 @@ fn decode_jpeg(bytes: &[u8]) -> Result<Image, String> {
     let is_grey = decoder.input_colorspace() == Some(ColorSpace::Luma);
     let (space, channels) = if is_grey { (ColorSpace::Luma, 1) } else { (ColorSpace::RGB, 3) };
     decoder.set_options(options.jpeg_set_out_colorspace(space));
-    check_size(bytes, width, height, channels)?;
+    check_size(bytes, width, height, 8 * channels)?;
     Ok(Image { width, height, channels, texels: Texels::Bytes(decoder.decode().map_err(broken)?) })
+}
+
+fn has_jpeg_end(bytes: &[u8]) -> bool {
+    bytes[bytes.len().saturating_sub(JPEG_TAIL)..].windows(JPEG_END.len()).any(|pair| pair == JPEG_END)
 }
 
 fn broken(error: impl std::fmt::Display) -> String {
@@ -108,13 +128,13 @@ fn most_bytes(file: &[u8]) -> usize {
     ALWAYS_BELIEVED.max(file.len().saturating_mul(BEST_COMPRESSION))
 }
 
-/// Whether the file can hold so many texels of `bytes_each`.
-fn check_size(file: &[u8], width: u32, height: u32, bytes_each: usize) -> Result<(), String> {
+/// Whether the file can hold so many texels of `bits_each`.
+fn check_size(file: &[u8], width: u32, height: u32, bits_each: usize) -> Result<(), String> {
     let texels = u64::from(width) * u64::from(height);
     if texels > MOST_TEXELS {
         return Err(format!("claims {width} x {height} texels; at most {MOST_TEXELS} are read"));
     }
-    if texels * bytes_each as u64 > most_bytes(file) as u64 {
+    if texels * bits_each as u64 / 8 > most_bytes(file) as u64 {
         return Err(format!("claims {width} x {height} texels, but the file has only {} bytes", file.len()));
     }
     Ok(())

@@ -175,3 +175,23 @@ fn films_that_memory_does_not_hold() {
     let large = "width = 24\nheight = 16";
     assert!(changed(&scratch, large, "width = 16384\nheight = 16384").contains("16384x16384 pixels needs"));
 }
+
+/// What a decoder makes up for what is missing looks like an image.
+#[test]
+fn a_jpeg_that_is_cut_short_is_told_of() {
+    let scratch = Scratch::new();
+    let mut image = Vec::new();
+    let texels: Vec<u8> = (0..64 * 64 * 3).map(|i| (i * 89 % 256) as u8).collect();
+    jpeg_encoder::Encoder::new(&mut image, 90).encode(&texels, 64, 64, jpeg_encoder::ColorType::Rgb).unwrap();
+    std::fs::write(scratch.path("m.mtl"), "newmtl a\nKd 1 1 1\nmap_Kd t.jpg\n").unwrap();
+    let model = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n";
+    std::fs::write(scratch.path("m.obj"), model).unwrap();
+    let padded = [&image[..], &[0; 1000]].concat();
+    for (bytes, is_told) in [(&image[..], false), (&padded, false), (&image[..image.len() / 2], true)] {
+        std::fs::write(scratch.path("t.jpg"), bytes).unwrap();
+        let output = scratch.run(&["render", "m.obj", "-o", "m.exr", "--spp", "1", "--size", "8x8"]);
+        let said = text(&output.stderr);
+        assert!(output.status.success(), "{said}");
+        assert_eq!(said.contains("t.jpg: has no end mark"), is_told, "{said}");
+    }
+}

@@ -255,9 +255,15 @@ fn what_cannot_be_studied_is_refused_in_one_line() {
     refused(&["--variants", "a: nowhere.toml"], "nowhere.toml");
     refused(&["--reference", "nowhere.exr"], "nowhere.exr");
     assert!(scratch.run(&["render", "scene.toml", "-o", "a.exr", "--spp", "1", "--size", "8x8"]).status.success());
-    refused(&["--reference", "a.exr", "--resume"], "8x8 pixels, but the scene renders 24x16");
+    refused(&["--reference", "a.exr"], "8x8 pixels, but the scene renders 24x16");
+    std::fs::write(scratch.path("a.json"), "{\"relmse_floor\": -1.0, \"rmse_floor\": 0.1}").unwrap();
+    refused(&["--reference", "a.exr", "--", "--size", "8x8"], "a noise is not below 0");
     std::fs::write(scratch.path("a.json"), "{\"relmse_floor\": \"none\"}").unwrap();
-    refused(&["--reference", "a.exr", "--resume", "--", "--size", "8x8"], "another image size");
+    refused(&["--reference", "a.exr", "--", "--size", "8x8"], "a.json");
+    assert!(!scratch.path("out").exists(), "what is refused leaves no study behind");
+    let small = ["converge", "scene.toml", "-o", "out", "--spp", "1,2", "--seeds", "2", "--quiet"];
+    assert!(scratch.run(&small).status.success());
+    refused(&["--spp", "1,2", "--seeds", "2", "--resume", "--", "--size", "8x8"], "another image size");
     let other = ["converge", "scene.toml", "-o", "new", "--quiet", "--reference", "a.exr", "--", "--size", "8x8"];
     let said = text(&scratch.run(&other).stderr);
     assert!(said.contains("a.json") && said.contains("relmse_floor"), "{said}");
@@ -355,4 +361,29 @@ fn a_relmse_is_not_trusted_where_the_squared_error_is_not() {
     let row = &report.variants[0].rows[0];
     assert!(row.largest_share > 0.01 && row.largest_relative_share < 0.01, "{:?}", row.doubts);
     assert!(!row.rmse_trusted && !row.relmse_trusted, "{:?}", row.doubts);
+}
+
+/// What is no number is left out of every mean: an image of nothing else would be met without an error.
+#[test]
+fn references_that_hold_what_is_no_number_are_refused() {
+    let scratch = Scratch::new();
+    for (file, value, why) in
+        [("nan.exr", f32::NAN, "6 of its values"), ("infinite.exr", f32::INFINITY, "6 of its values")]
+    {
+        let names = ["R", "G", "B"];
+        octolux::film::exr_write::write_rows(&scratch.path(file), (24, 16), &names, &[], |y, planes| {
+            planes.fill(if y == 3 { 0.5 } else { 1.0 });
+            if y == 3 {
+                planes[..6].fill(value);
+            }
+        })
+        .unwrap();
+        for command in ["converge scene.toml -o out --spp 1,2", "render scene.toml -o s.exr --png s.png --ladder 1,2"] {
+            let words: Vec<&str> = command.split(' ').chain(["--quiet", "--reference", file]).collect();
+            let output = scratch.run(&words);
+            let said = text(&output.stderr);
+            assert_eq!((output.status.code(), said.trim().lines().count()), (Some(2), 1), "{said}");
+            assert!(said.contains(why) && said.contains(file), "{said}");
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! EXR files: what is written is what is read, by our reader and by the library's own.
 
 use super::{filled, rendered, shared};
-use exr::prelude::{self as library, f16};
+use exr::prelude::{self as library, WritableImage, f16};
 use octolux::film::exr_read;
 use octolux::film::exr_write::write_rows;
 use octolux::film::{Attribute, Film, FilmChannels, VarianceValidity, read_exr, write_exr};
@@ -151,6 +151,94 @@ fn colours_are_read_without_the_other_channels() {
     }
 }
 
+/// A tiled image whose first pixel is at `position`, columns in red and rows in green, seen through a window of 16 × 4 pixels.
+fn tiled(path: &Path, position: (i32, i32), size: (usize, usize)) {
+    let value = |at: library::Vec2<usize>| (at.x() as f32, at.y() as f32, 1.0f32);
+    let encoding = library::Encoding {
+        compression: library::Compression::Uncompressed,
+        blocks: library::Blocks::Tiles(library::Vec2(8, 8)),
+        line_order: library::LineOrder::Increasing,
+    };
+    let attributes =
+        library::LayerAttributes { layer_position: position.into(), ..library::LayerAttributes::default() };
+    let layer = library::Layer::new(size, attributes, encoding, library::SpecificChannels::rgb(value));
+    let mut image = library::Image::from_layer(layer);
+    image.attributes.display_window = library::IntegerBounds::new((0, 0), (16, 4));
+    image.write().to_file(path).unwrap();
+}
+
+/// Renderers write more than is shown, for filters and camera shake: whole tiles lie beyond the window, on each side.
+#[test]
+fn tiles_beyond_the_window_are_passed_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("overscan.exr");
+    for (position, size) in [((0, 0), (64, 10)), ((-40, -20), (100, 60)), ((9, 1), (80, 20)), ((-30, 0), (37, 2))] {
+        tiled(&path, position, size);
+        let image = read_exr(&path).unwrap();
+        assert_eq!((image.width, image.height), (16, 4));
+        for (i, (y, x)) in (0..4).flat_map(|y| (0..16).map(move |x| (y, x))).enumerate() {
+            let (column, row) = (x - position.0, y - position.1);
+            let inside = (0..size.0 as i32).contains(&column) && (0..size.1 as i32).contains(&row);
+            let expected = if inside { [column as f32, row as f32, 1.0] } else { [0.0; 3] };
+            assert_eq!(image.rgb().map(|plane| plane[i]), expected, "{position:?} {size:?} {x} {y}");
+        }
+    }
+}
+
+/// A scan line file of 16 columns, and where its first chunk is.
+fn lines(rows: usize, compression: library::Compression, chunks: usize) -> (Vec<u8>, usize) {
+    let encoding = library::Encoding {
+        compression,
+        blocks: library::Blocks::ScanLines,
+        line_order: library::LineOrder::Increasing,
+    };
+    let value = |at: library::Vec2<usize>| {
+        let x = f16::from_f32((at.x() * 7 % 5 + at.y()) as f32);
+        (x, x, x)
+    };
+    let attributes = library::LayerAttributes::default();
+    let layer = library::Layer::new((16, rows), attributes, encoding, library::SpecificChannels::rgb(value));
+    let mut bytes = Cursor::new(Vec::new());
+    library::Image::from_layer(layer).write().to_buffered(&mut bytes).unwrap();
+    let bytes = bytes.into_inner();
+    let word = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap()) as usize;
+    // The table of offsets ends where the first chunk starts.
+    let table = (0..bytes.len() - 8).find(|&at| word(at) == at + 8 * chunks).unwrap();
+    (bytes, table + 8 * chunks)
+}
+
+fn refused(bytes: &[u8], why: &str) {
+    let error = exr_read::decode(Cursor::new(bytes), bytes.len() as u64).expect_err("this must not be readable");
+    assert!(error.contains(why), "{error}");
+}
+
+/// Each counter of a DWA chunk says for how much memory is made.
+#[test]
+fn chunks_that_claim_more_than_they_hold_are_refused() {
+    for compression in [library::Compression::DWAA(None), library::Compression::DWAB(None)] {
+        let (good, chunk) = lines(16, compression, 1);
+        assert!(exr_read::decode(Cursor::new(&good), good.len() as u64).is_ok());
+        for counter in [1, 6, 7, 8, 9] {
+            let mut bad = good.clone();
+            bad[chunk + 8 + 8 * counter..][..8].copy_from_slice(&(1u64 << 44).to_le_bytes());
+            refused(&bad, "claims more than it can hold");
+        }
+        let mut empty = good.clone();
+        empty[chunk + 4..chunk + 8].fill(0);
+        refused(&empty, "a chunk is empty");
+    }
+}
+
+/// A second copy of a chunk stands for one that is missing, whose pixels would be black.
+#[test]
+fn a_chunk_that_is_there_twice_is_refused() {
+    let (good, chunk) = lines(2, library::Compression::Uncompressed, 2);
+    let length = (good.len() - chunk) / 2;
+    let mut bad = good.clone();
+    bad.copy_within(chunk..chunk + length, chunk + length);
+    refused(&bad, "there twice");
+}
+
 fn message(path: &Path) -> String {
     let error = read_exr(path).expect_err("this must not be readable").to_string();
     assert!(error.starts_with(&path.display().to_string()) && !error.contains('\n'), "{error}");
@@ -169,6 +257,16 @@ fn unreadable_files_are_one_line_errors() {
     }
     write_rows(&path, (2, 2), &["U", "V"], &[], |_, planes| planes.fill(0.0)).unwrap();
     assert!(message(&path).contains("it has: U, V"));
+}
+
+/// Opening it would wait for ever.
+#[test]
+fn a_pipe_that_nobody_writes_to_is_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pipe.exr");
+    assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+    assert!(message(&path).contains("not a regular file"));
+    assert!(octolux::render::State::load(&path).is_err());
 }
 
 #[test]

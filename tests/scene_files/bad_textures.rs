@@ -269,3 +269,35 @@ proptest! {
         let _ = load("map_Kd t.png", "t.png", &bytes);
     }
 }
+
+/// The decoder reads palettes three bytes at a time, and panicked where there is a rest.
+#[test]
+fn palettes_that_are_cut_short() {
+    for length in [4, 5, 7, 13] {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
+        encoder.set_color(png::ColorType::Indexed);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_palette(vec![100; length]);
+        encoder.write_header().and_then(|mut writer| writer.write_image_data(&[0; 4])).expect("an image in memory");
+        refused("map_Kd t.png", "t.png", &bytes, "palette");
+    }
+}
+
+/// What a file can hold is counted as it is stored: an even mask of one bit a texel takes an eighth of a thousandth of its bytes.
+#[test]
+fn masks_of_one_bit_may_be_large() {
+    let side = 4800;
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, side, side);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::One);
+    encoder.set_compression(png::Compression::High);
+    let texels = vec![0xff; 600 * 4800];
+    encoder.write_header().and_then(|mut writer| writer.write_image_data(&texels)).expect("an image in memory");
+    let scene = load("map_Kd t.png", "t.png", &bytes).unwrap_or_else(|error| panic!("{error}"));
+    let image = &scene.materials[0].maps.colour.as_ref().expect("a texture").image;
+    // As bytes a texel it would be more than deflate can make of the file.
+    assert!(2048 * bytes.len() < (side * side) as usize && image.width == side, "{} bytes", bytes.len());
+    assert!(matches!(&image.texels, Texels::Bytes(texels) if texels.iter().all(|&texel| texel == 255)));
+}

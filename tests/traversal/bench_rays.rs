@@ -81,10 +81,15 @@ fn broken_files_and_arguments_are_errors_of_one_line() {
         (words(b"RAY0", &[16, 2, 0], &[0.0; 112]), "kind 2"),
         (words(b"RAY0", &[16, 0, 0], &[0.0; 111]), "claims 16 records"),
         (words(b"RAY0", &[16, 0, 0], &[f32::INFINITY; 112]), "not a usable origin"),
+        (words(b"RAY0", &[16, 0, 0], &[0.0; 112]), "no direction"),
+        (words(b"RAY0", &[16, 0, 0], &[[1.0; 96].as_slice(), &[f32::NAN; 16]].concat()), "t_max"),
     ] {
         rays(&bytes);
         complain(&args(&data), part);
     }
+    tri(&words(b"TRI0", &[3], &[1e-38; 27]));
+    rays(&words(b"RAY0", &[16, 0, 0], &[[0.0; 48].as_slice(), &[1.0; 64]].concat()));
+    complain(&BenchRaysArgs { sets: vec!["P".into()], ..args(&data) }, "scale the scene");
     complain(&args(&dir.path().join("absent")), "absent.tri");
     complain(&BenchRaysArgs { lanes: vec![4], ..args(&data) }, "--lanes 4");
     complain(&BenchRaysArgs { threads: vec![0], ..args(&data) }, "--threads 0");

@@ -23,6 +23,9 @@ struct Body {
 }
 
 fn open(path: &Path, magic: &[u8; 4]) -> Result<Body, BenchRaysError> {
+    if path.metadata().is_ok_and(|status| !status.is_file()) {
+        return Err(format(path, "is not a regular file".into()));
+    }
     let bytes = std::fs::read(path).map_err(|source| BenchRaysError::Io { path: path.into(), source })?;
     if !bytes.starts_with(magic) {
         return Err(format(path, format!("does not start with {:?}", String::from_utf8_lossy(magic))));
@@ -94,6 +97,11 @@ impl RaySet {
         let columns: [Vec<f32>; 7] = core::array::from_fn(|c| values[c * n..(c + 1) * n].to_vec());
         if let Some(i) = columns[..6].iter().flatten().position(|x| !x.is_finite() || x.abs() > 1e30) {
             return Err(format(path, format!("ray {}: not a usable origin or direction", i % n)));
+        }
+        if let Some(i) = (0..n)
+            .find(|&i| columns[3..6].iter().all(|d| d[i] == 0.0) || columns[6][i].is_nan() || columns[6][i] <= 0.0)
+        {
+            return Err(format(path, format!("ray {i}: no direction, or a t_max that is not above 0")));
         }
         Ok(Self { columns, any: kind == 1, coherent: coherent == 1 })
     }

@@ -4,7 +4,7 @@ use super::ConvergeError;
 use super::run::Variant;
 use super::statistics::relative;
 use crate::film::exr_write::write_rows;
-use crate::film::{Attribute, VarianceValidity, beside::write_beside, read_exr};
+use crate::film::{Attribute, ExrImage, VarianceValidity, beside::write_beside, read_exr};
 use crate::render::interrupt;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -72,6 +72,9 @@ impl Reference {
             let size = format!("{}x{} pixels, but the scene renders {width}x{height}", image.width, image.height);
             return Err(fail(size + "; give the size by `-- --size`, or another reference"));
         }
+        if let Some(why) = not_finite(&image) {
+            return Err(fail(why));
+        }
         let sidecar = read_sidecar(&path.with_extension("json"))?;
         let planes = image.rgb().map(<[f32]>::to_vec);
         let valid = image.variance_validity() == Some(VarianceValidity::Independent);
@@ -80,6 +83,10 @@ impl Reference {
             (None, Some(variance)) => (mean_noise(&planes, variance), NoiseSource::Variance),
             (None, None) => (Noise { mse: 0.0, relmse: 0.0 }, NoiseSource::Unknown),
         };
+        if !(noise.mse >= 0.0 && noise.relmse >= 0.0 && (noise.mse + noise.relmse).is_finite()) {
+            let why = "its variance layer is negative or not finite in places; render it anew, or take the layer out";
+            return Err(fail(why.to_owned()));
+        }
         let samples = image.attribute("samples").and_then(|a| a.to_string().parse().ok());
         let samples_per_pixel = sidecar.and_then(|s| s.spp).or(samples);
         Ok(Reference { path: path.to_owned(), width, height, planes, noise, noise_source, samples_per_pixel })
@@ -182,6 +189,12 @@ fn made_before(folder: &Path) -> Result<Option<Sidecar>, ConvergeError> {
     }
 }
 
+/// What to say of an image that cannot stand for the truth.
+pub fn not_finite(image: &ExrImage) -> Option<String> {
+    let count = image.rgb().into_iter().flatten().filter(|x| !x.is_finite()).count();
+    (count > 0).then(|| format!("{count} of its values are not finite; mend it, or give another reference"))
+}
+
 /// `None` too for a file that is about something else: the report of a render may have this name.
 fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, ConvergeError> {
     let fail = |why: String| ConvergeError::Reference { file: path.display().to_string(), why };
@@ -193,13 +206,19 @@ fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, ConvergeError> {
         return Ok(None);
     }
     let mend = "`relmse_floor` and `rmse_floor` are the noise of the reference: mend or remove the file";
-    serde_json::from_str(&text).map(Some).map_err(|error| fail(format!("{error}; {mend}")))
+    let sidecar: Sidecar = serde_json::from_str(&text).map_err(|error| fail(format!("{error}; {mend}")))?;
+    if !(sidecar.relmse_floor >= 0.0 && sidecar.rmse_floor >= 0.0) {
+        return Err(fail(format!("a noise is not below 0; {mend}")));
+    }
+    Ok(Some(sidecar))
 }
 
 fn mean_noise(planes: &[Vec<f32>; 3], variance: [&[f32]; 3]) -> Noise {
     let (mut mse, mut relmse, mut values) = (0.0, 0.0, 0u64);
     for (plane, variance) in planes.iter().zip(variance) {
-        for (&r, &v) in plane.iter().zip(variance).filter(|(r, v)| r.is_finite() && v.is_finite()) {
+        for (&r, &v) in plane.iter().zip(variance) {
+            // One that is no variance spoils the mean, which is then refused.
+            let v = if v >= 0.0 { v } else { f32::NAN };
             mse += f64::from(v);
             relmse += f64::from(v) * relative(f64::from(r));
             values += 1;

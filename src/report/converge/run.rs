@@ -125,11 +125,16 @@ pub fn run(mut plan: Plan) -> Result<ConvergeReport, ConvergeError> {
     if plan.reference.is_none() {
         Reference::check_free(&plan.folder)?;
     }
+    // Before anything is written: what cannot be read leaves no study behind.
+    let given = given_reference(&plan)?;
     let mut store = Store::open(&plan.folder, &plan.variants, plan.resume)?;
     // The first render of a world touches its memory for the first time: neither a pilot's time nor a cell's.
     plan.variants.iter_mut().for_each(|v| drop(v.render(1, u64::MAX, false)));
     pace_all(&mut plan, &mut store)?;
-    let reference = reference(&mut plan, &store)?;
+    let reference = match given {
+        Some(reference) => reference,
+        None => made_reference(&mut plan, &store)?,
+    };
     let cells = render_cells(&mut plan, &mut store)?;
     let mut rows = Vec::new();
     for variant in 0..plan.variants.len() {
@@ -174,18 +179,19 @@ fn samples_of(store: &Store, variant: &Variant, budget: Budget) -> Option<u64> {
     }
 }
 
-fn reference(plan: &mut Plan, store: &Store) -> Result<Reference, ConvergeError> {
-    let (folder, quiet) = (plan.folder.clone(), plan.quiet);
+fn given_reference(plan: &Plan) -> Result<Option<Reference>, ConvergeError> {
+    let (Some(path), Some(first)) = (&plan.reference, plan.variants.first()) else { return Ok(None) };
+    let film = first.world.film;
+    Reference::load(path, (film.width, film.height)).map(Some)
+}
+
+fn made_reference(plan: &mut Plan, store: &Store) -> Result<Reference, ConvergeError> {
     let last = plan.budgets.last().copied();
     let largest = plan.variants.iter().filter_map(|v| samples_of(store, v, last?)).max().unwrap_or(1);
     let samples = plan.reference_samples.unwrap_or(REFERENCE_FACTOR * largest).min(render::budget::MAX_SAMPLES);
     // Variants have one image size: that was checked when they were made.
     let Some(first) = plan.variants.first_mut() else { return Err(ConvergeError::Interrupted) };
-    let film = first.world.film;
-    match &plan.reference {
-        Some(path) => Reference::load(path, (film.width, film.height)),
-        None => Reference::make(first, samples, &folder, !quiet),
-    }
+    Reference::make(first, samples, &plan.folder, !plan.quiet)
 }
 
 /// All cells in the order they are rendered: a seed's curves first, budgets from small to large, variants in turn.
