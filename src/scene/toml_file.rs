@@ -97,10 +97,15 @@ pub(super) fn load(file: &Path, notes: &mut Notes) -> Result<Scene, SceneError> 
     let lit = table.environment.filter(|_| integrator.kind.transports_light());
     let delta_lights = || delta_lights(&table.point_light, &table.directional_light, &table.spot_light, &text);
     let mut mesh = Mesh::default();
-    let meshes = || table.mesh.iter().try_for_each(|table| add_mesh(table, &mut mesh, &mut materials, notes, &text));
+    let mut meshes =
+        || table.mesh.iter().try_for_each(|table| add_mesh(table, &mut mesh, &mut materials, notes, &text));
+    let mut sky = Ok(None);
     // Decoding an image takes about as long as reading a mesh of its size, which keeps two threads busy: by all the others.
-    let (meshes, environment) = rayon::join(meshes, || lit.map(|table| environment(&table, &text)).transpose());
-    let environment = environment?;
+    let meshes = rayon::in_place_scope(|scope| {
+        scope.spawn(|_| sky = lit.map(|table| environment(&table, &text)).transpose());
+        meshes()
+    });
+    let environment = sky?;
     let delta_lights = delta_lights()?;
     meshes?;
     let (materials, unused) = materials.finish();
