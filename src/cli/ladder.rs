@@ -7,7 +7,6 @@ use crate::film::{ExrImage, Film, FilmChannels, read_exr};
 use crate::kernel::World;
 use crate::render::{self, Budget, Options, Outcome, Progress, StoppedBy};
 use crate::report::contact_sheet::{Sheet, Tile};
-use crate::report::converge::not_finite;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -59,9 +58,7 @@ impl LadderArgs {
     fn reference(&self, world: &World) -> Result<Option<ExrImage>, CliError> {
         let Some(path) = &self.reference else { return Ok(None) };
         let image = read_exr(path)?;
-        if let Some(why) = not_finite(&image) {
-            return Err(CliError::Usage(format!("{}: {why}", path.display())));
-        }
+        image.check_reference().map_err(|why| CliError::Usage(format!("{}: {why}", path.display())))?;
         let (w, h) = (world.film.width, world.film.height);
         if (image.width, image.height) == (w, h) {
             return Ok(Some(image));

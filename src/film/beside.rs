@@ -52,8 +52,9 @@ pub fn check_writable(path: &Path) -> Result<(), FilmError> {
     fs::remove_file(beside).map_err(|error| FilmError::write(path, error))
 }
 
-/// Is there something that can only be written to from the first byte to the last: a pipe, a terminal?
-pub(super) fn is_stream(path: &Path) -> bool {
+/// Is there something that can only be read or written from the first byte to the last: a pipe, a terminal? (Or a folder.) Opening a
+/// pipe waits for somebody at its other end, and reading a device may never end.
+pub(crate) fn is_stream(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|meta| !meta.is_file())
 }
 

@@ -14,6 +14,7 @@ use exr::meta::header::Header;
 use exr::prelude::{Vec2, f16};
 use rayon::prelude::*;
 
+use super::beside::is_stream;
 use super::error::FilmError;
 use super::exr_chunks::{self, Covered};
 use super::exr_colours::{find_colour, string};
@@ -51,6 +52,17 @@ impl ExrImage {
         self.colour.map(|c| self.channels[c].1.as_slice())
     }
 
+    /// Whether errors can be measured against it.
+    ///
+    /// # Errors
+    /// Colours that are not finite, which every mean would leave out, in one line.
+    pub fn check_reference(&self) -> Result<(), String> {
+        match self.rgb().into_iter().flatten().filter(|x| !x.is_finite()).count() {
+            0 => Ok(()),
+            count => Err(format!("{count} of its values are not finite; mend it, or give another reference")),
+        }
+    }
+
     /// A channel by its full name, row by row from the top.
     pub fn channel(&self, name: &str) -> Option<&[f32]> {
         self.channels.iter().find(|(known, _)| known == name).map(|(_, plane)| plane.as_slice())
@@ -85,8 +97,7 @@ pub fn read_exr(path: &Path) -> Result<ExrImage, FilmError> {
 }
 
 fn read(path: &Path) -> Result<ExrImage, String> {
-    // Before it is opened: a pipe that nobody writes to would not be.
-    if path.metadata().is_ok_and(|status| !status.is_file()) {
+    if is_stream(path) {
         return Err("it is not a regular file".to_owned());
     }
     let file = File::open(path).map_err(|error| error.to_string())?;

@@ -19,7 +19,7 @@ use super::tile::{CameraQueue, Counters, Job, SampleBuffer};
 use super::world::World;
 use crate::accel::FLIGHT;
 use crate::geometry::{Hit, Ray};
-use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3, array};
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3, array, f32x8, f32x16};
 use crate::plan::Shading;
 
 /// Paths of a worker on their way at once: they and what waits stay in the second cache; 128 were up to 5 % slower.
@@ -33,6 +33,8 @@ pub(super) const TOGETHER: usize = 16;
 pub(super) const fn together<R: Real>() -> usize {
     if FLIGHT / R::WIDTH < TOGETHER { FLIGHT / R::WIDTH } else { TOGETHER }
 }
+
+const _: () = assert!(8 * together::<f32x8>() == FLIGHT && 16 * together::<f32x16>() == FLIGHT);
 
 // A packet may go beyond the pool, and what is stored of it a register further.
 const _: () = assert!(POOL + 3 * MAX_WIDTH <= ROOM);

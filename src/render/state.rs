@@ -4,7 +4,7 @@
 //! ([`Film::encode`]), their XXH64. Both checksums are looked at before what they cover is believed.
 
 use super::StoppedBy;
-use crate::film::beside::write_durably;
+use crate::film::beside::{is_stream, write_durably};
 use crate::film::checksum::{Checksum, Summed};
 use crate::film::codec::FilmShape;
 use crate::film::{Film, FilmChannels, FilmError};
@@ -196,8 +196,7 @@ impl State {
 
 fn read(path: &Path) -> Result<State, String> {
     let unreadable = |error: std::io::Error| format!("cannot read: {error}; check the path and its permissions");
-    // Before it is opened: a pipe that nobody writes to would not be.
-    if path.metadata().is_ok_and(|status| !status.is_file()) {
+    if is_stream(path) {
         return Err("is not a regular file; name a state file".to_owned());
     }
     let file = File::open(path).map_err(unreadable)?;

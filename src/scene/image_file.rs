@@ -1,7 +1,7 @@
 //! Texture files: PNG and JPEG by their decoders, OpenEXR through the film's reader.
 
 use super::texture::{Image, Texels};
-use crate::film::exr_read;
+use crate::film::{beside::is_stream, exr_read};
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ fn read(path: &Path) -> Result<Image, String> {
     if path.is_dir() {
         return Err("is a folder, not an image".to_owned());
     }
-    if path.metadata().is_ok_and(|status| !status.is_file()) {
+    if is_stream(path) {
         return Err("is not a regular file".to_owned());
     }
     let bytes = std::fs::read(path).map_err(|error| format!("cannot be read: {error}"))?;

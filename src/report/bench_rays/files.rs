@@ -1,6 +1,7 @@
 //! The `.tri` and `.rays` files.
 
 use super::BenchRaysError;
+use crate::film::beside::is_stream;
 use crate::geometry::MOST_PRIMITIVES;
 use std::path::Path;
 
@@ -23,7 +24,7 @@ struct Body {
 }
 
 fn open(path: &Path, magic: &[u8; 4]) -> Result<Body, BenchRaysError> {
-    if path.metadata().is_ok_and(|status| !status.is_file()) {
+    if is_stream(path) {
         return Err(format(path, "is not a regular file".into()));
     }
     let bytes = std::fs::read(path).map_err(|source| BenchRaysError::Io { path: path.into(), source })?;

@@ -27,7 +27,7 @@ mod summary;
 mod write;
 
 pub use cell::{Budget, Cell, CellKey};
-pub use reference::{Noise, NoiseSource, Reference, not_finite};
+pub use reference::{Noise, NoiseSource, Reference};
 pub use run::{Plan, Variant, run};
 pub use statistics::{Accumulator, LARGEST_TRUSTED_SHARE, Moments, Split};
 pub use store::StoreError;

@@ -4,7 +4,7 @@ use super::ConvergeError;
 use super::run::Variant;
 use super::statistics::relative;
 use crate::film::exr_write::write_rows;
-use crate::film::{Attribute, ExrImage, VarianceValidity, beside::write_beside, read_exr};
+use crate::film::{Attribute, VarianceValidity, beside::write_beside, read_exr};
 use crate::render::interrupt;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -72,21 +72,20 @@ impl Reference {
             let size = format!("{}x{} pixels, but the scene renders {width}x{height}", image.width, image.height);
             return Err(fail(size + "; give the size by `-- --size`, or another reference"));
         }
-        if let Some(why) = not_finite(&image) {
-            return Err(fail(why));
-        }
+        image.check_reference().map_err(fail)?;
         let sidecar = read_sidecar(&path.with_extension("json"))?;
         let planes = image.rgb().map(<[f32]>::to_vec);
         let valid = image.variance_validity() == Some(VarianceValidity::Independent);
-        let (noise, noise_source) = match (&sidecar, image.variance().filter(|_| valid)) {
+        let variance = image.variance().filter(|_| valid && sidecar.is_none());
+        if variance.is_some_and(|planes| planes.into_iter().flatten().any(|v| !v.is_finite() || *v < 0.0)) {
+            let why = "its variance layer is negative or not finite in places; render it anew, or take the layer out";
+            return Err(fail(why.to_owned()));
+        }
+        let (noise, noise_source) = match (&sidecar, variance) {
             (Some(s), _) => (Noise { mse: s.rmse_floor * s.rmse_floor, relmse: s.relmse_floor }, NoiseSource::Sidecar),
             (None, Some(variance)) => (mean_noise(&planes, variance), NoiseSource::Variance),
             (None, None) => (Noise { mse: 0.0, relmse: 0.0 }, NoiseSource::Unknown),
         };
-        if !(noise.mse >= 0.0 && noise.relmse >= 0.0 && (noise.mse + noise.relmse).is_finite()) {
-            let why = "its variance layer is negative or not finite in places; render it anew, or take the layer out";
-            return Err(fail(why.to_owned()));
-        }
         let samples = image.attribute("samples").and_then(|a| a.to_string().parse().ok());
         let samples_per_pixel = sidecar.and_then(|s| s.spp).or(samples);
         Ok(Reference { path: path.to_owned(), width, height, planes, noise, noise_source, samples_per_pixel })
@@ -189,12 +188,6 @@ fn made_before(folder: &Path) -> Result<Option<Sidecar>, ConvergeError> {
     }
 }
 
-/// What to say of an image that cannot stand for the truth.
-pub fn not_finite(image: &ExrImage) -> Option<String> {
-    let count = image.rgb().into_iter().flatten().filter(|x| !x.is_finite()).count();
-    (count > 0).then(|| format!("{count} of its values are not finite; mend it, or give another reference"))
-}
-
 /// `None` too for a file that is about something else: the report of a render may have this name.
 fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, ConvergeError> {
     let fail = |why: String| ConvergeError::Reference { file: path.display().to_string(), why };
@@ -214,16 +207,13 @@ fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, ConvergeError> {
 }
 
 fn mean_noise(planes: &[Vec<f32>; 3], variance: [&[f32]; 3]) -> Noise {
-    let (mut mse, mut relmse, mut values) = (0.0, 0.0, 0u64);
+    let (mut mse, mut relmse) = (0.0, 0.0);
     for (plane, variance) in planes.iter().zip(variance) {
         for (&r, &v) in plane.iter().zip(variance) {
-            // One that is no variance spoils the mean, which is then refused.
-            let v = if v >= 0.0 { v } else { f32::NAN };
             mse += f64::from(v);
             relmse += f64::from(v) * relative(f64::from(r));
-            values += 1;
         }
     }
-    let n = values.max(1) as f64;
+    let n = planes.iter().map(Vec::len).sum::<usize>().max(1) as f64;
     Noise { mse: mse / n, relmse: relmse / n }
 }
