@@ -363,6 +363,27 @@ fn a_relmse_is_not_trusted_where_the_squared_error_is_not() {
     assert!(!row.rmse_trusted && !row.relmse_trusted, "{:?}", row.doubts);
 }
 
+/// Of a variance layer the noise of a reference is believed, and taken off every error.
+#[test]
+fn references_whose_variance_is_none_are_refused() {
+    let scratch = Scratch::new();
+    let names = ["B", "G", "R", "variance.B", "variance.G", "variance.R"];
+    let validity = ("variance_validity".to_owned(), octolux::film::VarianceValidity::Independent.text().into());
+    for (variance, is_refused) in [(1e-4, false), (-1e-4, true), (f32::NAN, true), (f32::INFINITY, true)] {
+        let path = scratch.path("noisy.exr");
+        octolux::film::exr_write::write_rows(&path, (24, 16), &names, &[validity.clone()], |y, planes| {
+            planes.fill(1.0);
+            planes[3 * 24..].fill(1e-4);
+            planes[3 * 24] = if y == 2 { variance } else { 1e-4 };
+        })
+        .unwrap();
+        let command = ["converge", "scene.toml", "-o", "out", "--spp", "1,2", "--quiet", "--reference", "noisy.exr"];
+        let said = text(&scratch.run(&command).stderr);
+        assert_eq!(said.contains("its variance layer is negative or not finite"), is_refused, "{variance}: {said}");
+        let _ = std::fs::remove_dir_all(scratch.path("out"));
+    }
+}
+
 /// What is no number is left out of every mean: an image of nothing else would be met without an error.
 #[test]
 fn references_that_hold_what_is_no_number_are_refused() {

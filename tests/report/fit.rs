@@ -110,6 +110,12 @@ fn what_is_out_of_range_is_not_said() {
     let points: Vec<_> = [1.0, 4.0].map(|x: f64| (x, sharp(x.powf(-1e-4)))).to_vec();
     let slope = fit_power_law(&points).map(|law| law.exponent);
     assert_eq!(budget_for(&points, 1e-2, slope), None, "e to the 46,000");
+    let reached = |exponent: f64, target: f64| {
+        let points: Vec<_> = [1.0, 4.0].map(|x: f64| (x, sharp(x.powf(exponent)))).to_vec();
+        budget_for(&points, target, fit_power_law(&points).map(|law| law.exponent))
+    };
+    assert_eq!(reached(-0.05, 1e-2), None, "10 to the 40: years nobody has");
+    assert!(reached(-0.5, 1e-3).is_some_and(|reached| (reached.budget - 1e6).abs() < 1.0));
     for x in [0.05, 5.0] {
         let steep = [(x, sharp(1.0)), (x * (1.0 + 1e-5), sharp(0.5))];
         assert_eq!(fit_power_law(&steep), None, "a constant of {x} to the 69,000");
