@@ -371,7 +371,7 @@ fn references_whose_variance_is_none_are_refused() {
     let validity = ("variance_validity".to_owned(), octolux::film::VarianceValidity::Independent.text().into());
     for (variance, is_refused) in [(1e-4, false), (-1e-4, true), (f32::NAN, true), (f32::INFINITY, true)] {
         let path = scratch.path("noisy.exr");
-        octolux::film::exr_write::write_rows(&path, (24, 16), &names, &[validity.clone()], |y, planes| {
+        octolux::film::exr_write::write_rows(&path, (24, 16), &names, std::slice::from_ref(&validity), |y, planes| {
             planes.fill(1.0);
             planes[3 * 24..].fill(1e-4);
             planes[3 * 24] = if y == 2 { variance } else { 1e-4 };
