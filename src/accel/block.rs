@@ -3,6 +3,7 @@
 use super::interval::{Interval, Segments};
 use super::lanes::ones;
 use super::leaf::{EdgeValues, Found, Leaf};
+use super::node::Planes;
 use super::tree::{Block, OneHit, OneRay, PacketRay};
 use crate::geometry::plane_normal;
 use crate::geometry::slab::{own_hi, own_lo};
@@ -37,14 +38,14 @@ impl TriangleBlock {
     fn load<E: Real>(&self, order: [usize; 3], i: usize) -> Vertices<E> {
         axes(|vertex| axes(|k| E::load(&self.v[vertex][order[k]][i..])))
     }
-    /// Own boxes, laid out as [`Node::planes`](super::node::Node::planes).
+    /// Own boxes.
     #[inline(always)]
-    pub fn own_boxes<E: Real>(&self, planes: &mut [[f32; 8]; 6]) {
+    pub fn own_boxes<E: Real>(&self, planes: &mut Planes) {
         for i in (0..8).step_by(E::WIDTH) {
             let (lo, hi) = own_box(self.load::<E>([0, 1, 2], i));
             for k in 0..3 {
-                lo[k].store(&mut planes[2 * k][i..]);
-                hi[k].store(&mut planes[2 * k + 1][i..]);
+                lo[k].store(&mut planes[k][i..]);
+                hi[k].store(&mut planes[k][8 + i..]);
             }
         }
     }
@@ -200,7 +201,8 @@ impl Leaf for TriangleBlock {
     #[inline(always)]
     fn meet<E: Real>(found: &Found<'_, Self>, ray: &RaySetup<E>) -> (E::Mask, E, E, E) {
         let v: Vertices<E> = axes(|vertex| axes(|k| found.gather(|block, place| block.v[vertex][k][place])));
-        let [is_y, is_z] = [1, 2].map(|axis| ray.order[2].eq(Bits::splat(axis)));
+        let is = |axis| ray.order[2].eq(Bits::splat(axis));
+        let (is_y, is_z) = (is(1), is(2));
         let along = |p: [E; 3]| E::select(is_z, p[2], E::select(is_y, p[1], p[0]));
         let edges = found.edges(axes(|vertex| along(v[vertex]) - ray.shear.origin[2]));
         let normal = plane_normal(v);

@@ -59,8 +59,8 @@ impl<R: Real> Moved<R> {
     #[inline(always)]
     pub fn fill(&mut self, vertices: &Vertices, shear: &Shear<R>, order: &[R::Bits; 3]) {
         self.len = vertices.list.len().min(MOST);
-        for (place, vertex) in self.across[..self.len].iter_mut().zip(&vertices.list) {
-            place.write(shear.across(axes(|k| R::lookup4(vertex, order[k]))));
+        for (place, vertex) in vertices.list[..self.len].iter().enumerate() {
+            self.across[place].write(shear.across(axes(|k| R::lookup4(vertex, order[k]))));
         }
     }
 

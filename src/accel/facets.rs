@@ -2,9 +2,11 @@
 
 use super::block::keep_triangle;
 use super::interval::{Interval, Segments};
+use super::node::Planes;
 use super::pairs::{Facet, Pairs};
 use super::tree::common_octant;
 use crate::geometry::{Edges, Hit, MISS, RaySetup, Rows, SharedEdge, first_of_pair, second_of_pair};
+use crate::lane::array::{from_fn, map};
 use crate::lane::{Bits, Mask, Real, axes};
 
 /// Any-hit packets whose [segments](Segments) are about one of this many pairs of triangles, or fewer, are tested exactly against
@@ -22,7 +24,7 @@ enum Around<'a, E: Real> {
 impl<E: Real> Around<'_, E> {
     /// Of eight boxes those that some lane may enter before `t_max`, as bits.
     #[inline(always)]
-    fn entered(self, planes: &[[f32; 8]; 6], t_max: f32) -> u32 {
+    fn entered(self, planes: &Planes, t_max: f32) -> u32 {
         match self {
             Around::Nothing => 0xff,
             Around::Rays(interval) => interval.entered(planes, t_max),
@@ -77,7 +79,7 @@ impl TriangleList {
             let closer = sifted.key.lt(best);
             best = R::Bits::select(closer, sifted.key, best);
             primitive = R::Bits::select(closer, R::Bits::splat(sifted.index), primitive);
-            weights = crate::lane::array::from_fn(|k| R::select(closer, sifted.weights[k], weights[k]));
+            weights = from_fn(|k| R::select(closer, sifted.weights[k], weights[k]));
             sum = R::select(closer, sifted.sum, sum);
         });
         let (u, v) = Edges::normalised(weights, sum);
@@ -162,27 +164,31 @@ impl TriangleList {
         mut visit: impl FnMut(u32, Edges<R>, R::Mask, R) -> bool,
     ) {
         let farthest = R::select(active, t_max, R::zero()).highest();
-        for pair in self.pairs.met(|planes| around.entered(planes, farthest)) {
-            let v0 = axes(|k| R::splat(pair.vertices[0][k]));
-            let moved = |i: usize| setup.shear.apply(axes(|k| R::lookup4(&pair.vertices[i], setup.order[k])));
-            let (p, r) = (moved(0), moved(2));
-            let shared = SharedEdge::new(p, r);
-            for (k, facet) in pair.facets[..1 + usize::from(pair.both)].iter().enumerate() {
-                let edges = match k {
-                    0 => first_of_pair(p, moved(1), r, shared, active),
-                    _ => second_of_pair(p, r, moved(3), shared, active),
-                };
-                let (mask, t) = facet.distances(&edges, setup, v0);
-                if mask.none() {
-                    continue;
+        self.pairs.visit_met(
+            |planes| around.entered(planes, farthest),
+            |pair| {
+                let v0 = axes(|k| R::splat(pair.vertices[0][k]));
+                let moved = |i: usize| setup.shear.apply(axes(|k| R::lookup4(&pair.vertices[i], setup.order[k])));
+                let (p, r) = (moved(0), moved(2));
+                let shared = SharedEdge::new(p, r);
+                for (k, facet) in pair.facets[..1 + usize::from(pair.both)].iter().enumerate() {
+                    let edges = match k {
+                        0 => first_of_pair(p, moved(1), r, shared, active),
+                        _ => second_of_pair(p, r, moved(3), shared, active),
+                    };
+                    let (mask, t) = facet.distances(&edges, setup, v0);
+                    if mask.none() {
+                        continue;
+                    }
+                    let (lo, hi) = (map(facet.bounds()[0], R::splat), map(facet.bounds()[1], R::splat));
+                    let (t_near, t_far) = setup.slab(lo, hi);
+                    if visit(pair.first + k as u32, edges, mask & t_near.le(t_far), t_near.max_or(t)) {
+                        return true;
+                    }
                 }
-                let (lo, hi) = (facet.bounds()[0].map(R::splat), facet.bounds()[1].map(R::splat));
-                let (t_near, t_far) = setup.slab(lo, hi);
-                if visit(pair.first + k as u32, edges, mask & t_near.le(t_far), t_near.max_or(t)) {
-                    return;
-                }
-            }
-        }
+                false
+            },
+        );
     }
 }
 

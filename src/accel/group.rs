@@ -7,7 +7,7 @@ use super::block::{TriangleBlock, better};
 use super::interval::Interval;
 use super::lanes::ones;
 use super::leaf::Leaf;
-use super::node::Child;
+use super::node::{Child, Planes};
 use super::tree::{Block, STACK, Tree};
 use crate::geometry::slab::slab;
 use crate::geometry::{Edges, Hit, MISS, RaySetup, Shear, edges};
@@ -43,7 +43,7 @@ struct Candidates {
     /// [`PACKETS`] times the place in the block, and the packet.
     which: [u32; CANDIDATES],
     /// Of the block's triangles.
-    own_boxes: [[f32; 8]; 6],
+    own_boxes: Planes,
 }
 
 thread_local! {
@@ -54,7 +54,7 @@ thread_local! {
                 values: [[[0.0; MAX_WIDTH]; 3]; CANDIDATES],
                 lanes: [0; CANDIDATES],
                 which: [0; CANDIDATES],
-                own_boxes: [[0.0; 8]; 6],
+                own_boxes: [[0.0; 16]; 3],
             },
         })
     };
@@ -229,7 +229,7 @@ impl<'a, R: Real, const N: usize> Group<'a, R, N> {
             edges.inside = R::Mask::from_bits(candidates.lanes[k]);
             let normal = axes(|axis| R::splat(normals[axis][place]));
             let (hits, t) = edges.distances(setup, v0, normal, R::splat(normals[3][place]));
-            let plane = |axis: usize, upper: usize| R::splat(candidates.own_boxes[2 * axis + upper][place]);
+            let plane = |axis: usize, upper: usize| R::splat(candidates.own_boxes[axis][8 * upper + place]);
             let near = axes(|axis| plane(axis, self.negative[axis]));
             let far = axes(|axis| plane(axis, 1 - self.negative[axis]));
             let (t_near, t_far) = slab(near, far, setup.origin, setup.inverse);
@@ -289,7 +289,7 @@ impl<R: Real> Best<R> {
         let wins = hits & better(found.t, found.primitive, self.t, self.primitive);
         self.t = R::select(wins, found.t, self.t);
         self.primitive = R::Bits::select(wins, found.primitive, self.primitive);
-        self.weights = [0, 1].map(|i| R::select(wins, found.weights[i], self.weights[i]));
+        self.weights = from_fn(|i| R::select(wins, found.weights[i], self.weights[i]));
         self.sum = R::select(wins, found.sum, self.sum);
     }
 }

@@ -1,6 +1,6 @@
 //! Many rays as one, with bounds instead of numbers.
 
-use super::node::Node;
+use super::node::{Node, Planes};
 use crate::geometry::RaySetup;
 use crate::geometry::slab::FAR_PAD;
 use crate::lane::{Bits, Real, axes};
@@ -34,15 +34,15 @@ impl<E: Real> Interval<E> {
         // Lane by lane over the packets first: to go across lanes takes longer.
         let extremes = |of: fn(&RaySetup<R>) -> [R; 3]| {
             let mut bounds = [[infinity; 3], [-infinity; 3]];
-            for (setup, active) in setups.iter().zip(active) {
-                let x = of(setup);
-                bounds[0] = axes(|k| R::select(*active, x[k], infinity).min_or(bounds[0][k]));
-                bounds[1] = axes(|k| R::select(*active, x[k], -infinity).max_or(bounds[1][k]));
+            for (p, setup) in setups.iter().enumerate() {
+                let (x, active) = (of(setup), active[p]);
+                bounds[0] = axes(|k| R::select(active, x[k], infinity).min_or(bounds[0][k]));
+                bounds[1] = axes(|k| R::select(active, x[k], -infinity).max_or(bounds[1][k]));
             }
             (axes(|k| bounds[0][k].lowest()), axes(|k| bounds[1][k].highest()))
         };
         let (lowest, highest) = extremes(|setup| setup.inverse);
-        if lowest.iter().chain(&highest).any(|x| !x.is_finite()) {
+        if (0..3).any(|k| !lowest[k].is_finite() || !highest[k].is_finite()) {
             return None;
         }
         let (o_lowest, o_highest) = extremes(|setup| setup.origin);
@@ -58,8 +58,8 @@ impl<E: Real> Interval<E> {
     /// Where all rays start, if it is one point.
     #[inline(always)]
     pub fn origin(&self) -> Option<[f32; 3]> {
-        let bounds = [&self.near_origin, &self.far_origin].map(|bound| axes(|k| bound[k].lane(0)));
-        (bounds[0] == bounds[1]).then_some(bounds[0])
+        let (near, far) = (axes(|k| self.near_origin[k].lane(0)), axes(|k| self.far_origin[k].lane(0)));
+        (near == far).then_some(near)
     }
 
     /// Where the first lane may enter boxes, and the last leave them: a lane enters only those where the first is not
@@ -69,10 +69,10 @@ impl<E: Real> Interval<E> {
         self.slab_of(axes(|k| if self.negative[k] != 0 { (hi[k], lo[k]) } else { (lo[k], hi[k]) }), t_best)
     }
 
-    /// [`Interval::slab`] of eight boxes as in [`Node::planes`].
+    /// [`Interval::slab`] of eight boxes by their [`Planes`].
     #[inline(always)]
-    fn slab_in(&self, planes: &[[f32; 8]; 6], t_best: f32) -> (E, E) {
-        let plane = |k: usize, upper: usize| E::load(&planes[2 * k + upper]);
+    fn slab_in(&self, planes: &Planes, t_best: f32) -> (E, E) {
+        let plane = |k: usize, upper: usize| E::load(&planes[k][8 * upper..]);
         self.slab_of(axes(|k| (plane(k, self.negative[k]), plane(k, 1 - self.negative[k]))), t_best)
     }
 
@@ -90,7 +90,7 @@ impl<E: Real> Interval<E> {
 
     /// Of eight boxes those that some lane may enter before `t_best`, as bits.
     #[inline(always)]
-    pub fn entered(&self, planes: &[[f32; 8]; 6], t_best: f32) -> u32 {
+    pub fn entered(&self, planes: &Planes, t_best: f32) -> u32 {
         let (t_near, t_far) = self.slab_in(planes, t_best);
         t_near.le_bits(t_far)
     }
@@ -148,10 +148,10 @@ impl<E: Real> Segments<E> {
         Self { lo: axes(|k| E::splat(ends[k][0])), hi: axes(|k| E::splat(ends[k][1])) }
     }
 
-    /// Of eight boxes as in [`Node::planes`] those that some segment may meet, as bits.
+    /// Of eight boxes by their [`Planes`] those that some segment may meet, as bits.
     #[inline(always)]
-    pub fn meet(&self, planes: &[[f32; 8]; 6]) -> u32 {
-        self.meets(axes(|k| E::load(&planes[2 * k])), axes(|k| E::load(&planes[2 * k + 1])))
+    pub fn meet(&self, planes: &Planes) -> u32 {
+        self.meets(axes(|k| E::load(&planes[k])), axes(|k| E::load(&planes[k][8..])))
     }
 
     /// Of boxes those that some segment may meet, as bits.

@@ -42,10 +42,10 @@ impl<'a, B: Block> Leaves<'a, B> {
     #[inline(always)]
     pub fn edges<E: Real>(&self, count: usize, lanes: &Lanes<RAYS>, found: &mut Candidates) -> usize {
         let mut passed = [0u32; RAYS];
-        let at = self.rays[..count].iter().zip(&self.children[..count]);
-        for ((ray, child), (passed, edges)) in at.zip(passed.iter_mut().zip(&mut found.edges)) {
-            let block = &self.tree.blocks[Child(*child).index()];
-            *passed = block.passed(&lanes.ray::<E>(*ray as usize % RAYS), edges);
+        let (rays, children, edges) = (&self.rays[..count], &self.children[..count], &mut found.edges[..count]);
+        for k in 0..count {
+            let block = &self.tree.blocks[Child(children[k]).index()];
+            passed[k] = block.passed(&lanes.ray::<E>(rays[k] as usize % RAYS), &mut edges[k]);
         }
         let places = E::Bits::load(&[0, 1, 2, 3, 4, 5, 6, 7]);
         let mut len = 0;

@@ -32,7 +32,7 @@ mod tree;
 mod visits;
 
 use crate::geometry::{Bounds, Hit, MOST_PRIMITIVES, Ray, RaySetup};
-use crate::lane::Real;
+use crate::lane::{Real, array};
 use block::TriangleBlock;
 use brute::SphereList;
 pub use build::{BuildOptions, BuildReport, Preset};
@@ -110,7 +110,7 @@ impl Accel {
     ) -> Self {
         let start = Instant::now();
         assert!(triangles.len() + spheres.len() <= MOST_PRIMITIVES, "more primitives than child words can name");
-        let vertices = |i: usize| triangles[i].map(|k| positions[k as usize]);
+        let vertices = |i: usize| array::map(triangles[i], |k| positions[k as usize]);
         let first_sphere = triangles.len() as u32;
         let mut accel = Self { has_trees: options.trees, ..Self::default() };
         if options.lists {

@@ -50,12 +50,15 @@ pub struct Crossing<E: Real> {
     pub octant: usize,
 }
 
+/// The bounds of eight boxes: by axis the lower ones, then the upper ones.
+pub type Planes = [[f32; 16]; 3];
+
 /// Four cache lines. Empty slots have [`Bounds::EMPTY`], which no usable ray enters.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
 pub struct Node {
-    /// `planes[2·axis]` the lower, `planes[2·axis + 1]` the upper bounds of the children on that axis.
-    pub planes: [[f32; 8]; 6],
+    /// Of the children.
+    pub planes: Planes,
     /// [`Child`] words.
     pub children: [u32; 8],
     /// For each octant of directions (bit k set: component k negative) the children from the farthest to the nearest,
@@ -65,12 +68,12 @@ pub struct Node {
 
 impl Node {
     pub fn new(children: &[(Child, Bounds)]) -> Self {
-        let mut node = Self { planes: [[0.0; 8]; 6], children: [0; 8], order: [0; 8] };
+        let mut node = Self { planes: [[0.0; 16]; 3], children: [0; 8], order: [0; 8] };
         for slot in 0..8 {
             let bounds = children.get(slot).map_or(Bounds::EMPTY, |c| c.1);
             for axis in 0..3 {
-                node.planes[2 * axis][slot] = bounds.lo[axis];
-                node.planes[2 * axis + 1][slot] = bounds.hi[axis];
+                node.planes[axis][slot] = bounds.lo[axis];
+                node.planes[axis][8 + slot] = bounds.hi[axis];
             }
         }
         for (slot, (child, _)) in children.iter().enumerate() {
@@ -83,7 +86,7 @@ impl Node {
     /// Where a ray enters and leaves the children from `slot` on; see [`slab`].
     #[inline(always)]
     pub fn enter<E: Real>(&self, ray: &OneRay<E>, slot: usize) -> (E, E) {
-        let plane = |k: usize, upper: usize| E::load(&self.planes[2 * k + upper][slot..]);
+        let plane = |k: usize, upper: usize| E::load(&self.planes[k][8 * upper + slot..]);
         let near = axes(|k| plane(k, ray.negative[k]));
         let far = axes(|k| plane(k, 1 - ray.negative[k]));
         slab(near, far, ray.setup.origin, ray.setup.inverse)
@@ -93,8 +96,7 @@ impl Node {
     /// leaves none after `t_best`.
     #[inline(always)]
     fn crossed<E: Real>(&self, ray: &Crossing<E>, t_best: E) -> (E, E) {
-        let planes = self.planes.as_flattened();
-        let distance = |k: usize, near: usize| (ray.origin[k] - E::load(&planes[16 * k + near..])) * ray.against[k];
+        let distance = |k: usize, near: usize| (ray.origin[k] - E::load(&self.planes[k][near..])) * ray.against[k];
         let (mut t_near, mut t_far) = (E::zero(), t_best);
         for k in 0..3 {
             t_near = distance(k, ray.near[k]).max_or(t_near);

@@ -99,7 +99,7 @@ pub fn walk<B: Block, R: Real>(
 /// The slab test of one child against all lanes.
 #[inline(always)]
 fn enter<R: Real>(node: &Node, slot: usize, ray: &PacketRay<R>) -> (R, R) {
-    let plane = |k: usize, upper: usize| R::splat(node.planes[2 * k + upper][slot]);
+    let plane = |k: usize, upper: usize| R::splat(node.planes[k][8 * upper + slot]);
     match ray.negative {
         Some(negative) => {
             let (near, far) = (axes(|k| plane(k, negative[k])), axes(|k| plane(k, 1 - negative[k])));

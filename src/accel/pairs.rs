@@ -2,6 +2,7 @@
 
 use super::corners::{Corner, Moved, Vertices};
 use super::lanes::ones;
+use super::node::Planes;
 use crate::geometry::{Bounds, Edges, RaySetup, SharedEdge, largest, meet_plane, plane_normal};
 use crate::lane::{Bits, Real, axes};
 use core::ops::Range;
@@ -40,7 +41,7 @@ pub struct Pairs {
     pub list: Vec<Pair>,
     groups: Vec<(Vertices, Range<usize>)>,
     /// Around the own boxes of eight pairs at a time: see [`Node::planes`](super::node::Node::planes).
-    planes: Vec<[[f32; 8]; 6]>,
+    planes: Vec<Planes>,
 }
 
 /// What [`Pairs::sieve`] finds of a packet and a triangle.
@@ -95,18 +96,22 @@ impl Pairs {
         pairs
     }
 
-    /// The pairs in order, without those whose own boxes no lane enters: `entered` tells of eight boxes, as bits.
+    /// The pairs in order, without those whose own boxes no lane enters: `entered` tells of eight boxes, as bits. Calls `visit`
+    /// with each until it returns true.
     #[inline(always)]
-    pub fn met(&self, entered: impl Fn(&[[f32; 8]; 6]) -> u32) -> impl Iterator<Item = &Pair> {
-        self.planes
-            .iter()
-            .zip(self.list.chunks(8))
-            .flat_map(move |(planes, pairs)| ones(entered(planes)).filter_map(|i| pairs.get(i)))
+    pub fn visit_met(&self, entered: impl Fn(&Planes) -> u32, mut visit: impl FnMut(&Pair) -> bool) {
+        for (k, planes) in self.planes.iter().enumerate() {
+            for i in ones(entered(planes)) {
+                if self.list.get(8 * k + i).is_some_and(&mut visit) {
+                    return;
+                }
+            }
+        }
     }
 
-    /// How many pairs `entered` tells of, as in [`Pairs::met`].
+    /// How many pairs `entered` tells of, as in [`Pairs::visit_met`].
     #[inline(always)]
-    pub fn count_met(&self, entered: impl Fn(&[[f32; 8]; 6]) -> u32) -> usize {
+    pub fn count_met(&self, entered: impl Fn(&Planes) -> u32) -> usize {
         self.planes.iter().map(|planes| entered(planes).count_ones() as usize).sum()
     }
 
@@ -155,14 +160,14 @@ impl Pairs {
 }
 
 /// Bounds of up to eight pairs; an empty place is entered by no ray.
-fn planes(pairs: &[Pair]) -> [[f32; 8]; 6] {
-    let mut planes = [[f32::INFINITY; 8]; 6];
-    for (k, plane) in planes.iter_mut().enumerate() {
-        let upper = k % 2 != 0;
-        for (slot, plane) in plane.iter_mut().enumerate() {
+fn planes(pairs: &[Pair]) -> Planes {
+    let mut planes = [[f32::INFINITY; 16]; 3];
+    for (axis, planes) in planes.iter_mut().enumerate() {
+        for (k, plane) in planes.iter_mut().enumerate() {
+            let (upper, slot) = (k >= 8, k % 8);
             let empty = if upper { f32::NEG_INFINITY } else { f32::INFINITY };
             let facets = pairs.get(slot).map_or(&[][..], |pair| &pair.facets[..1 + usize::from(pair.both)]);
-            let bounds = facets.iter().map(|f| if upper { f.hi[k / 2] } else { f.lo[k / 2] });
+            let bounds = facets.iter().map(|f| if upper { f.hi[axis] } else { f.lo[axis] });
             *plane = bounds.fold(empty, if upper { f32::max } else { f32::min });
         }
     }

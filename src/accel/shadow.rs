@@ -59,7 +59,7 @@ impl<R: Real> Around<R> for Beam<R::Eight> {
     }
     #[inline(always)]
     fn enter(&self, node: &Node, slot: usize, setup: &RaySetup<R>) -> (R, R) {
-        let plane = |k: usize, upper: usize| R::splat(node.planes[2 * k + upper][slot]);
+        let plane = |k: usize, upper: usize| R::splat(node.planes[k][8 * upper + slot]);
         let near = axes(|k| plane(k, self.negative[k]));
         let far = axes(|k| plane(k, 1 - self.negative[k]));
         slab(near, far, setup.origin, setup.inverse)
@@ -77,7 +77,7 @@ impl<R: Real> Around<R> for Segments<R::Eight> {
     }
     #[inline(always)]
     fn enter(&self, node: &Node, slot: usize, setup: &RaySetup<R>) -> (R, R) {
-        let plane = |k: usize, upper: usize| R::splat(node.planes[2 * k + upper][slot]);
+        let plane = |k: usize, upper: usize| R::splat(node.planes[k][8 * upper + slot]);
         setup.slab(axes(|k| plane(k, 0)), axes(|k| plane(k, 1)))
     }
 }

@@ -39,10 +39,12 @@ impl<B: Block> Walk<'_, B> {
     /// hold back whatever is read after it. So is the sorting that follows, eight rays at a time and without a branch.
     #[inline(always)]
     fn send<E: Real>(&mut self, counts: &mut Counts, kind: usize, count: usize, best: &Best) {
-        for (ray, chosen) in self.lists.rays(kind, count).zip(self.chosen.of(count)) {
+        let (rays, chosen) = (&self.lists.of(kind).0[..count], self.chosen.of(count));
+        for k in 0..count {
+            let ray = rays[k] as usize % RAYS;
             let place = self.top[ray] as usize;
             let (t_near, child) = (self.stacks.t_near[place], self.stacks.child[place]);
-            *chosen = select_unpredictable(t_near <= best.t(ray), child, Child::NONE.0);
+            chosen[k] = select_unpredictable(t_near <= best.t(ray), child, Child::NONE.0);
         }
         let before = *counts;
         self.lists.sort::<E>(counts, kind, count, self.chosen);
@@ -66,10 +68,11 @@ impl<B: Block> Walk<'_, B> {
     fn step_all<E: Real>(&mut self, count: usize, lanes: &Lanes<RAYS>, best: &Best) {
         let Walk { tree, stacks, top, lists, .. } = self;
         let (rays, nodes) = lists.of(NODES);
-        for (ray, node) in rays[..count].iter().zip(&nodes[..count]) {
+        let (rays, nodes) = (&rays[..count], &nodes[..count]);
+        for k in 0..count {
             // Everything that can be out of bounds first: what follows is one block, whose loads fold into broadcasts.
-            let node: &Node = &tree.nodes[Child(*node).index()];
-            let i = *ray as usize % RAYS;
+            let node: &Node = &tree.nodes[Child(nodes[k]).index()];
+            let i = rays[k] as usize % RAYS;
             let top = &mut top[i];
             let first = *top as usize;
             let t_nears = &mut stacks.t_near[first..first + 8];

@@ -1,6 +1,6 @@
 //! One row per primitive, fetched per lane and transposed.
 
-use crate::lane::{Bits, Real, Vec3, array};
+use crate::lane::{Bits, Real, Vec3, array, axes};
 
 /// A table of rows of `N` values that lanes fetch by index. Row 0 starts a cache line, so that rows of 4, 8 or 16 lie
 /// within one each.
@@ -31,14 +31,17 @@ impl<const N: usize> Rows<N> {
         let columns = if rows.len() <= FEW { (0..N).map(column).collect() } else { Vec::new() };
         Self { values, start, columns }
     }
+    #[inline(always)]
     fn rows(&self) -> &[[f32; N]] {
         self.values[self.start..].as_chunks().0
     }
     /// How many there are, one at least.
+    #[inline]
     pub fn count(&self) -> usize {
         self.rows().len()
     }
     /// Row `index`. Domain: below [`Rows::count`].
+    #[inline]
     pub fn row(&self, index: usize) -> &[f32; N] {
         &self.rows()[index]
     }
@@ -106,7 +109,7 @@ pub struct TriangleAt<R> {
 impl TriangleRows {
     /// `triangles` index `positions` (panics past the end).
     pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
-        let rows: Vec<_> = triangles.iter().map(|t| triangle_row(t.map(|i| positions[i as usize]))).collect();
+        let rows: Vec<_> = triangles.iter().map(|t| triangle_row(array::map(*t, |i| positions[i as usize]))).collect();
         Self(Rows::new(&rows))
     }
     pub fn bytes(&self) -> usize {
@@ -128,12 +131,12 @@ impl TriangleRows {
 
 /// Normal and area in f64: once per triangle, and slivers cancel badly in f32.
 fn triangle_row([p0, p1, p2]: [[f32; 3]; 3]) -> [f32; 16] {
-    let edge = |p: [f32; 3]| [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(p0[k]));
+    let edge = |p: [f32; 3]| axes(|k| f64::from(p[k]) - f64::from(p0[k]));
     let (a, b) = (edge(p1), edge(p2));
     let n = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
     let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
-    let n = if length > 0.0 { n.map(|c| (c / length) as f32) } else { [0.0; 3] };
-    let (e1, e2) = (a.map(|c| c as f32), b.map(|c| c as f32));
+    let n = if length > 0.0 { axes(|k| (n[k] / length) as f32) } else { [0.0; 3] };
+    let (e1, e2) = (axes(|k| a[k] as f32), axes(|k| b[k] as f32));
     let area = (0.5 * length) as f32;
     [p0[0], p0[1], p0[2], e1[0], e1[1], e1[2], e2[0], e2[1], e2[2], n[0], n[1], n[2], area, 0.0, 0.0, 0.0]
 }

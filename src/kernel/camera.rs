@@ -1,7 +1,7 @@
 //! The thin-lens camera in lanes.
 
 use crate::geometry::Ray;
-use crate::lane::{Bits, Real, Vec3};
+use crate::lane::{Bits, Real, Vec3, array};
 use crate::sampling::warp;
 use crate::scene::{self, FilmSize};
 
@@ -87,8 +87,8 @@ impl Camera {
         // In the plane of focus all rays of a film position meet.
         let off_axis = (eye - Vec3::splat(self.position)) * R::splat(self.focus_distance.recip());
         let at_unit = d * cos.recip() + off_axis;
-        let [x, y] = [(0, self.film.width), (1, self.film.height)]
-            .map(|(axis, size)| at_unit.dot(Vec3::splat(self.to_film[axis])) + R::splat(0.5 * size as f32));
+        let at = |axis: usize, size: u32| at_unit.dot(Vec3::splat(self.to_film[axis])) + R::splat(0.5 * size as f32);
+        let (x, y) = (at(0, self.film.width), at(1, self.film.height));
         let (width, height) = (R::splat(self.film.width as f32), R::splat(self.film.height as f32));
         let inside = ahead & x.ge(R::zero()) & x.lt(width) & y.ge(R::zero()) & y.lt(height);
         let whole = |x: R| x.floor().masked(inside).to_int();
@@ -116,7 +116,7 @@ impl Camera {
     #[inline(always)]
     fn off_axis<R: Real>(&self, u: [R; 2]) -> Vec3<R> {
         let [lens_x, lens_y] = warp::uniform_disk(u);
-        let [right, up] = self.lens.map(Vec3::splat);
+        let [right, up] = array::map(self.lens, Vec3::splat);
         right.mul_add(lens_x, up * lens_y)
     }
 

@@ -16,7 +16,7 @@ use super::texture::{OPACITY, OPACITY_MAP};
 use super::world::World;
 use crate::accel::Mode;
 use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin, sphere_point, triangle_point};
-use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::lane::{Bits, Mask, Real, Vec3, array};
 use crate::sampling::{Sampler, mix3, to_unit};
 
 /// What lies behind this many surfaces along one ray is not asked for: the last is then opaque.
@@ -138,7 +138,7 @@ fn opacity<R: Real>(world: &World, near: &Vec3<R>, hit: &Hit<R>, active: R::Mask
         if spheres.any() {
             let (_, normal) = sphere_point(&world.sphere_at(hit.primitive, spheres), *near);
             let of_sphere = on_sphere(normal);
-            uv = [0, 1].map(|k| R::select(spheres, of_sphere[k], uv[k]));
+            uv = array::from_fn(|k| R::select(spheres, of_sphere[k], uv[k]));
         }
         opacity = opacity * world.textures.look_up_number(maps[OPACITY_MAP], uv, mapped);
     }

@@ -6,7 +6,7 @@ use super::texture::*;
 use super::world::World;
 use crate::geometry::Hit;
 use crate::lane::math::atan2;
-use crate::lane::{Mask, Real, Vec3};
+use crate::lane::{Mask, Real, Vec3, array};
 use core::f32::consts::{FRAC_1_PI, TAU};
 
 /// Texture coordinates of points on triangles, and what the tangents follow from.
@@ -54,7 +54,7 @@ pub(super) fn apply<R: Real>(
     let mut uv = coordinates.uv;
     if (surface.on_sphere & active).any() {
         let of_sphere = on_sphere(surface.ng);
-        uv = [0, 1].map(|k| R::select(surface.on_sphere, of_sphere[k], uv[k]));
+        uv = array::from_fn(|k| R::select(surface.on_sphere, of_sphere[k], uv[k]));
     }
     shade(world, &mut surface.material, &maps, uv, active);
     let bent = active & maps[NORMAL].gt(R::zero());

@@ -1,7 +1,7 @@
 //! Where a sample's random numbers come from: the world's sampler, or what a program brings in its place.
 
 use super::world::World;
-use crate::lane::Real;
+use crate::lane::{Real, array};
 use crate::own::Numbers;
 use crate::sampling::dimensions::{BOUNCE, CAMERA, OPACITY};
 use crate::sampling::{ONE_BELOW, Sampler, Site};
@@ -74,7 +74,7 @@ fn first_of_bounce(bounce: f32) -> u32 {
 /// `N` numbers a lane from its dimension `first` on, held to [0, 1).
 #[inline(never)]
 fn of_dimensions<R: Real, const N: usize>(own: &dyn Numbers, rng: &Sampler<R>, first: impl Fn(usize) -> u32) -> [R; N] {
-    std::array::from_fn(|k| {
+    array::from_fn(|k| {
         R::from_fn(|lane| {
             let [pixel, sample] = rng.identity(lane);
             let u = own.number(pixel, sample, first(lane) + k as u32);

@@ -4,7 +4,7 @@ use super::maps::{on_sphere, on_triangle};
 use super::texture::{EMISSION, OPACITY, OPACITY_MAP};
 use super::world::World;
 use crate::geometry::Hit;
-use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::lane::{Bits, Mask, Real, Vec3, array};
 use crate::light::LightSample;
 use crate::scene::{Material, NO_TEXCOORD, Scene};
 use std::f64::consts::PI;
@@ -108,7 +108,7 @@ pub fn look_up<R: Real>(world: &World, light: &mut LightSample<R>, active: R::Ma
     let mut uv = on_triangle(world, &hit, patterned & !spheres).uv;
     if spheres.any() {
         let of_sphere = on_sphere(light.ng);
-        uv = [0, 1].map(|k| R::select(spheres, of_sphere[k], uv[k]));
+        uv = array::from_fn(|k| R::select(spheres, of_sphere[k], uv[k]));
     }
     let emission = world.materials.fetch::<R>(material, patterned).emission;
     let [r, g, b, _] = world.textures.look_up(maps[EMISSION], uv, patterned);

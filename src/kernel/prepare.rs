@@ -10,7 +10,7 @@ use super::texture::TextureTable;
 use super::world::World;
 use crate::accel::{Accel, BuildOptions, BuildReport, Preset};
 use crate::geometry::{Rows, SphereRows, TriangleRows};
-use crate::lane::float_mode;
+use crate::lane::{array, float_mode};
 use crate::light::{Emitter, EmitterShape, EnvironmentMap, Extent, LightError, Lights, Receivers, SkySamples};
 use crate::plan::Plan;
 use crate::sampling::SamplerKind;
@@ -59,7 +59,7 @@ impl World {
             );
         }
         let scale = power_of_two_scale(scene);
-        let positions: Vec<[f32; 3]> = scene.mesh.positions.iter().map(|p| p.map(|x| x * scale)).collect();
+        let positions: Vec<[f32; 3]> = scene.mesh.positions.iter().map(|p| array::map(*p, |x| x * scale)).collect();
         let spheres: Vec<([f32; 3], f32)> =
             scene.spheres.iter().map(|s| (s.center.map(|x| x * scale), s.radius * scale)).collect();
         let build = if plan.geometry.has_tree() { BuildOptions::trees(options.build) } else { BuildOptions::lists() };

@@ -87,12 +87,17 @@ impl<R: Real, const N: usize, const S: usize> Queue<R, N, S> {
     ) {
         const { assert!(K + M == N) };
         let (bits, len) = (mask.bits(), self.len);
-        let (fields, added) = self.table_mut().split_at_mut(K);
-        for (source, field) in rows.table().iter().zip(fields) {
-            R::load(&source[first..][..R::WIDTH]).compress(bits).store(&mut field[len..][..R::WIDTH]);
+        // Once, so that the loops have no bounds to test.
+        assert!(first <= T - R::WIDTH && len <= S - R::WIDTH);
+        let (source, table) = (rows.table(), self.table_mut());
+        let mut k = 0;
+        while k < K {
+            R::load(&source[k][first..][..R::WIDTH]).compress(bits).store(&mut table[k][len..][..R::WIDTH]);
+            k += 1;
         }
-        for (value, field) in more.iter().zip(added) {
-            value.compress(bits).store(&mut field[len..][..R::WIDTH]);
+        while k < N {
+            more[k - K].compress(bits).store(&mut table[k][len..][..R::WIDTH]);
+            k += 1;
         }
         self.len += bits.count_ones() as usize;
     }

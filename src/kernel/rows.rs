@@ -54,7 +54,7 @@ pub fn path_ray<R: Real>(field: impl Fn(usize) -> R) -> Ray<R> {
 
 /// Paths that hit something, from the fields of their rows. (One by one: an array of all would pass through memory.)
 #[inline(always)]
-pub fn unpack_hits<R: Real>(field: impl Fn(usize) -> R, alive: R::Mask) -> Paths<R> {
+pub fn unpack_hits<R: Real>(field: impl Fn(usize) -> R + Copy, alive: R::Mask) -> Paths<R> {
     let (t, primitive) = (field(GOING), field(GOING + 1).masked(alive).to_bits());
     let hit = Hit { t, primitive, u: field(GOING + 2), v: field(GOING + 3) };
     Paths { hit, ..unpack(field, alive) }
@@ -63,8 +63,8 @@ pub fn unpack_hits<R: Real>(field: impl Fn(usize) -> R, alive: R::Mask) -> Paths
 /// Paths on their way, without a hit. Past the last row a queue holds what jobs before left there: whatever is looked up by
 /// is 0 in lanes that are no rows.
 #[inline(always)]
-pub fn unpack<R: Real>(field: impl Fn(usize) -> R, alive: R::Mask) -> Paths<R> {
-    let ray = path_ray(&field);
+pub fn unpack<R: Real>(field: impl Fn(usize) -> R + Copy, alive: R::Mask) -> Paths<R> {
+    let ray = path_ray(field);
     Paths {
         hit: Hit::miss(ray.t_max),
         ray,

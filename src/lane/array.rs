@@ -1,7 +1,7 @@
 //! Arrays of lanes, unrolled.
 //!
-//! `core::array::map` and `from_fn` are not always inlined: with registers of 64 bytes they then pass everything through
-//! memory (measured: brute-force traversal ×1.7 slower). These always are.
+//! `core::array::map` and `from_fn` and `copy_from_slice` are not always inlined: with registers of 64 bytes they then pass
+//! everything through memory (measured: brute-force traversal ×1.7 slower). These always are.
 
 /// `[f(0), f(1), …]`.
 #[inline(always)]
@@ -13,6 +13,17 @@ pub fn from_fn<const N: usize, B: Copy>(mut f: impl FnMut(usize) -> B) -> [B; N]
         i += 1;
     }
     out
+}
+
+/// Writes `values` to places `first` … of `to`. Panics past the end.
+#[inline(always)]
+pub fn put<const N: usize, A: Copy>(values: [A; N], to: &mut [A], first: usize) {
+    let to = &mut to[first..first + N];
+    let mut i = 0;
+    while i < N {
+        to[i] = values[i];
+        i += 1;
+    }
 }
 
 /// `[f(a[0]), f(a[1]), …]`.

@@ -38,11 +38,7 @@ macro_rules! register {
                     Self::from(core::arch::x86_64::$read(first.as_ptr().cast()))
                 }
                 #[cfg(not(target_feature = $feature))]
-                {
-                    let mut lanes = [Default::default(); $lanes];
-                    lanes.copy_from_slice(first);
-                    Self::new(lanes)
-                }
+                Self::new(super::array::from_fn(|i| first[i]))
             }
             #[inline(always)]
             fn write(self, slice: &mut [$element]) {
@@ -54,7 +50,7 @@ macro_rules! register {
                     core::arch::x86_64::$write(first.as_mut_ptr().cast(), self.into());
                 }
                 #[cfg(not(target_feature = $feature))]
-                first.copy_from_slice(&self.to_array());
+                super::array::put(self.to_array(), first, 0);
             }
         }
     };

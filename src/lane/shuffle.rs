@@ -1,7 +1,7 @@
 //! What moves values between lanes without computing on them: permute, compress, rows to lanes.
 
 use super::Real;
-use super::array::map;
+use super::array::{map, put};
 use wide::{f32x8, f32x16, u32x8, u32x16};
 
 /// Lanes 0 … 7 of row `index[i]`, transposed eight columns at a time.
@@ -12,11 +12,11 @@ pub fn rows8<const N: usize>(table: &[[f32; N]], index: [u32; 8]) -> [f32x8; N] 
     let mut first = 0;
     while first + 8 <= N {
         let part = crate::lane::array::from_fn(|i| <f32x8 as Real>::load(&rows[i][first..first + 8]));
-        out[first..first + 8].copy_from_slice(&f32x8::transpose(part));
+        put(f32x8::transpose(part), &mut out, first);
         first += 8;
     }
     if first + 4 <= N {
-        out[first..first + 4].copy_from_slice(&four_columns(map(rows, |row| quad(&row[first..first + 4]))));
+        put(four_columns(map(rows, |row| quad(&row[first..first + 4]))), &mut out, first);
         first += 4;
     }
     for (column, values) in out.iter_mut().enumerate().skip(first) {
@@ -47,7 +47,7 @@ pub fn store_rows8<const N: usize>(columns: &[f32x8; N], rows: &mut [[f32; N]]) 
     if first + 4 <= N {
         let part = four_rows(crate::lane::array::from_fn(|k| columns[first + k]));
         for (row, part) in rows.iter_mut().zip(part) {
-            row[first..first + 4].copy_from_slice(&part);
+            put(part, row, first);
         }
         first += 4;
     }

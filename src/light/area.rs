@@ -14,7 +14,7 @@ use super::sphere::sphere_pdf;
 use super::triangle::triangle_pdf;
 use super::{Emitter, EmitterShape, LightError};
 use crate::geometry::Rows;
-use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3};
+use crate::lane::{Bits, MAX_WIDTH, Mask, Real, Vec3, array};
 use crate::sampling::warp;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -243,7 +243,7 @@ impl AreaLights {
         if let (Some(slopes), Some((p, n))) = (&self.slopes, receiver) {
             let leans = lamp.lt(R::Bits::splat(slopes.len() as u32));
             let sloped: Sloped<R> = slopes.lean(lamp, leans, p, n, u);
-            u = [0, 1].map(|k| R::select(leans, sloped.u[k], u[k]));
+            u = array::from_fn(|k| R::select(leans, sloped.u[k], u[k]));
             stretch = R::select(leans, sloped.stretch, stretch);
         }
         if self.pairs > 0 {
@@ -264,7 +264,7 @@ impl AreaLights {
         }
         let is_sphere = !row.lt(R::Bits::splat(self.first_sphere as u32));
         if self.first_sphere < self.len() {
-            at = [0, 1].map(|k| R::select(is_sphere, u[k], at[k]));
+            at = array::from_fn(|k| R::select(is_sphere, u[k], at[k]));
         }
         Place { row, primitive: primitive.to_bits(), is_sphere, at, stretch }
     }

@@ -8,7 +8,7 @@
 
 use super::alias;
 use super::inversion::{Inversion, Table};
-use crate::lane::{Bits, Real};
+use crate::lane::{Bits, Real, array};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -25,7 +25,7 @@ impl Shape {
     #[inline(always)]
     pub(super) fn corner_rows(self, row: usize, south: bool) -> [usize; 2] {
         let rows = [row.saturating_sub(1), row.min(self.height - 1)];
-        if south { rows.map(|r| self.height - 1 - r) } else { rows }
+        if south { array::map(rows, |r| self.height - 1 - r) } else { rows }
     }
 
     /// Row cells are numbered from north to south, one more than rows.

@@ -6,7 +6,7 @@
 //! of the draws and keeps the density of its own area: how nearly the pair makes a parallelogram is a matter of variance alone.
 
 use super::{Emitter, EmitterShape};
-use crate::lane::Real;
+use crate::lane::{Real, array};
 use crate::sampling::warp;
 use glam::{DVec3, Vec3};
 
@@ -86,7 +86,7 @@ pub(super) fn in_second<R: Real>(u: [R; 2]) -> R::Mask {
 /// Weights of vertices 1 and 2 at the point of a paired triangle for two numbers of its half, `corner` being its vertex there.
 #[inline(always)]
 pub(super) fn paired_weights<R: Real>(u: [R; 2], second: R::Mask, corner: R) -> [R; 2] {
-    let [next, last] = u.map(|x| R::select(second, R::one() - x, x));
+    let [next, last] = array::map(u, |x| R::select(second, R::one() - x, x));
     // Rounding may make it negative.
     let here = (R::one() - next - last).max_or(R::zero());
     let (is_0, is_1) = (corner.eq(R::zero()), corner.eq(R::one()));
@@ -98,5 +98,5 @@ pub(super) fn paired_weights<R: Real>(u: [R; 2], second: R::Mask, corner: R) -> 
 pub(super) fn weights<R: Real>(u: [R; 2], second: R::Mask, corner: R) -> [R; 2] {
     let (alone, paired) = (warp::uniform_triangle(u), paired_weights(u, second, corner));
     let is_alone = corner.lt(R::zero());
-    [0, 1].map(|k| R::select(is_alone, alone[k], paired[k]))
+    array::from_fn(|k| R::select(is_alone, alone[k], paired[k]))
 }

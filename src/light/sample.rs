@@ -1,6 +1,6 @@
 //! What sampling a light gives.
 
-use crate::lane::{Bits, Mask, Real, Vec3};
+use crate::lane::{Bits, Mask, Real, Vec3, array};
 
 /// In [`LightSample::primitive`]: not a primitive but the environment (or no sample).
 pub const NO_PRIMITIVE: u32 = u32::MAX;
@@ -103,7 +103,7 @@ impl<R: Real> LightSample<R> {
             pdf: R::select(mask, a.pdf, b.pdf),
             is_environment: (a.is_environment & mask) | (b.is_environment & !mask),
             primitive: R::Bits::select(mask, a.primitive, b.primitive),
-            place: [0, 1].map(|k| R::select(mask, a.place[k], b.place[k])),
+            place: array::from_fn(|k| R::select(mask, a.place[k], b.place[k])),
         }
     }
 }

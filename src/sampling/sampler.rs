@@ -69,7 +69,9 @@ impl<R: Real> Sampler<R> {
             _ => {
                 let (key, word) = site.under(kind).point(seed, sample);
                 let words = [(word & INDEX).reverse_bits(), key as u32, (key >> 32) as u32, word];
-                self.0.s.iter_mut().zip(words).for_each(|(s, word)| s.set_lane(lane, word));
+                for (k, word) in words.into_iter().enumerate() {
+                    self.0.s[k].set_lane(lane, word);
+                }
             }
         }
     }
@@ -83,7 +85,7 @@ impl<R: Real> Sampler<R> {
             _ if one_key => {
                 let (key, word) = site.under(kind).point(seed, first);
                 let word = R::Bits::splat(word) + R::Bits::from_fn(|lane| lane as u32);
-                let [low, high] = [key as u32, (key >> 32) as u32].map(R::Bits::splat);
+                let (low, high) = (R::Bits::splat(key as u32), R::Bits::splat((key >> 32) as u32));
                 Self(Xoshiro { s: [(word & R::Bits::splat(INDEX)).reverse_bits(), low, high, word] })
             }
             _ => {

@@ -83,8 +83,11 @@ impl<R: Real> PairSet<R> {
         let [a, b] = apart::<R>(self.shuffle_place(place));
         let (first, second) = (shuffled ^ a, pascal::<R>(shuffled) ^ b);
         // One more mixing each: seeds that only differ by a constant would scramble both dimensions alike.
-        let seeds = [0x7f4a_7c15, 0x94d0_49bb].map(|salt| mix::<R>(self.of_set + R::Bits::splat(salt)));
-        [laine_karras::<R>(first, seeds[0]).reverse_bits(), laine_karras::<R>(second, seeds[1]).reverse_bits()]
+        let seed = |salt| mix::<R>(self.of_set + R::Bits::splat(salt));
+        [
+            laine_karras::<R>(first, seed(0x7f4a_7c15)).reverse_bits(),
+            laine_karras::<R>(second, seed(0x94d0_49bb)).reverse_bits(),
+        ]
     }
 
     /// The set's own order of the places: in one order for all sets the digits of one would say those of the others, for a whole

@@ -1,7 +1,7 @@
 //! Light paths and their connections as rows of a [`Queue`](super::super::queue::Queue).
 
 use crate::geometry::{Hit, Ray};
-use crate::lane::{Real, Vec3};
+use crate::lane::{Real, Vec3, array};
 use crate::sampling::Sampler;
 
 /// The light paths of one packet.
@@ -32,7 +32,7 @@ pub const LINK: usize = 12;
 #[inline(always)]
 pub fn pack<R: Real>(walk: &Walk<R>) -> [R; GOING] {
     let (o, d, b) = (walk.ray.origin, walk.ray.direction, walk.beta);
-    let [w0, w1, w2, w3] = walk.rng.words().map(R::from_bits);
+    let [w0, w1, w2, w3] = array::map(walk.rng.words(), R::from_bits);
     let (slot, emitter) = (R::from_bits(walk.slot), R::from_bits(walk.emitter));
     let (ratio, bounce, cos) = (walk.ratio, walk.bounce, walk.emitter_cos);
     [o.x, o.y, o.z, d.x, d.y, d.z, b.x, b.y, b.z, w0, w1, w2, w3, ratio, bounce, cos, emitter, slot]
@@ -41,8 +41,8 @@ pub fn pack<R: Real>(walk: &Walk<R>) -> [R; GOING] {
 #[inline(always)]
 pub fn pack_hits<R: Real>(walk: &Walk<R>) -> [R; HIT] {
     let mut row = [R::zero(); HIT];
-    row[..GOING].copy_from_slice(&pack(walk));
-    row[GOING..].copy_from_slice(&[walk.hit.t, R::from_bits(walk.hit.primitive), walk.hit.u, walk.hit.v]);
+    array::put(pack(walk), &mut row, 0);
+    array::put([walk.hit.t, R::from_bits(walk.hit.primitive), walk.hit.u, walk.hit.v], &mut row, GOING);
     row
 }
 
@@ -62,7 +62,7 @@ pub fn unpack<R: Real>(row: &[R; GOING], alive: R::Mask) -> Walk<R> {
         hit: Hit::miss(ray.t_max),
         ray,
         beta: Vec3::new(bx, by, bz),
-        rng: Sampler::from_words([w0, w1, w2, w3].map(R::to_bits)),
+        rng: Sampler::from_words(array::map([w0, w1, w2, w3], R::to_bits)),
         ratio,
         bounce,
         emitter: emitter.to_bits(),

@@ -90,7 +90,7 @@ impl<R: Real> Group<R> {
         for (find, row) in self.finds.iter_mut().zip(self.density.chunks_exact(stride)) {
             let sum = in_parts(row);
             let scale = if sum > 0.0 { sum.recip() } else { 0.0 };
-            find.found = find.found.map(|x| x * scale);
+            find.found = array::map(find.found, |x| x * scale);
         }
         self.scatter(stride, out, probe);
     }
@@ -170,7 +170,7 @@ impl<R: Real> Group<R> {
                 if find.plain {
                     plain = found.mul_add(R::load(&self.density[at..]), plain);
                 } else {
-                    let [x, y, z] = [0, 1, 2].map(|c| R::load(&self.value[c][at..]));
+                    let [x, y, z] = array::from_fn(|c| R::load(&self.value[c][at..]));
                     sum = sum + found.hadamard(Vec3::new(x, y, z));
                 }
             }
@@ -186,10 +186,8 @@ impl<R: Real> Group<R> {
 /// The sum of a row, in an order that is the same at any number of lanes.
 pub fn in_parts(row: &[f32]) -> f32 {
     let mut sums = [0f32; PARTS];
-    for part in row.chunks_exact(PARTS) {
-        for (sum, x) in sums.iter_mut().zip(part) {
-            *sum += x;
-        }
+    for part in row.as_chunks::<PARTS>().0 {
+        sums = array::from_fn(|k| sums[k] + part[k]);
     }
     let mut half = PARTS / 2;
     while half > 0 {

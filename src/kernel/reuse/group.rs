@@ -49,9 +49,11 @@ pub fn connect<R: Real, S: Shade, P: Probe>(
             for sample in 0..job.samples {
                 let slot = |x: u32, y: u32| ((y - job.y) * job.width + x - job.x) * job.samples + sample;
                 slots.clear();
-                let inside = |&(x, y): &(u32, u32)| columns.contains(&x) && rows.contains(&y);
-                let pixels = (0..PIXELS as u32).map(place).map(|(column, row)| (x + column, y + row));
-                slots.extend(pixels.filter(inside).map(|(x, y)| slot(x, y)));
+                for (column, row) in (0..PIXELS as u32).map(place) {
+                    if columns.contains(&(x + column)) && rows.contains(&(y + row)) {
+                        slots.push(slot(x + column, y + row));
+                    }
+                }
                 let key = sample_key(world.seed ^ SALT, pixel, job.first_sample + sample);
                 group.begin(&slots, &out.shared);
                 finds::collect(&slots, &out.shared, &mut out.rgb, &mut group.finds);
