@@ -3,7 +3,7 @@
 use super::block::keep_triangle;
 use super::interval::{Interval, Segments};
 use super::node::Planes;
-use super::pairs::{Facet, Pairs};
+use super::pairs::{Facet, Met, Pairs, Sifted};
 use super::tree::common_octant;
 use crate::geometry::{Edges, Hit, MISS, RaySetup, Rows, SharedEdge, first_of_pair, second_of_pair};
 use crate::lane::array::{from_fn, map};
@@ -18,17 +18,17 @@ const FEW: usize = 3;
 enum Around<'a, E: Real> {
     Nothing,
     Rays(&'a Interval<E>),
-    Segments(&'a Segments<E>),
+    Pairs(Met),
 }
 
 impl<E: Real> Around<'_, E> {
-    /// Of eight boxes those that some lane may enter before `t_max`, as bits.
+    /// Of the boxes of the eight pairs from 8·`k` on those that some lane may enter before `t_max`, as bits.
     #[inline(always)]
-    fn entered(self, planes: &Planes, t_max: f32) -> u32 {
+    fn entered(self, k: usize, planes: &Planes, t_max: f32) -> u32 {
         match self {
             Around::Nothing => 0xff,
             Around::Rays(interval) => interval.entered(planes, t_max),
-            Around::Segments(segments) => segments.meet(planes),
+            Around::Pairs(met) => met.of_eight(k),
         }
     }
 }
@@ -109,15 +109,17 @@ impl TriangleList {
     }
 
     /// Lanes of `active` with a hit before `t_max`. A packet that is somewhere in particular, or goes into one octant, is
-    /// tested exactly, against the few triangles about its segments or ahead of it. Of others, as in
-    /// [`TriangleList::closest`], the own box of one hit is looked at.
+    /// tested exactly, against the few triangles about its segments or ahead of it. Others are sieved, by the triangles about
+    /// their segments, and as in [`TriangleList::closest`] the own box of one hit is looked at.
     #[inline(always)]
     pub fn any<R: Real>(&self, setup: &RaySetup<R>, t_max: R, active: R::Mask) -> R::Mask {
+        let mut met = None;
         if R::WIDTH > 1 {
-            if R::select(active, t_max, R::zero()).highest().is_finite() {
-                let segments = Segments::new(setup, t_max, active);
-                if self.pairs.count_met(|planes| segments.meet(planes)) * FEW <= self.pairs.list.len() {
-                    return self.any_exact(setup, Around::Segments(&segments), t_max, active);
+            if (active & !t_max.is_finite()).none() {
+                let segments = Segments::<R::Eight>::new(setup, t_max, active);
+                met = self.pairs.met(|planes| segments.meet(planes));
+                if let Some(met) = met.filter(|met| met.count() * FEW <= self.pairs.list.len()) {
+                    return self.any_exact(setup, Around::Pairs(met), t_max, active);
                 }
             }
             if let Some(interval) = Interval::new(setup, common_octant(setup, active), active) {
@@ -126,14 +128,21 @@ impl TriangleList {
         }
         let end = t_max.to_bits() - R::Bits::splat(1);
         let mut primitive = R::Bits::splat(MISS);
-        let low = self.pairs.sieve(setup, |sifted| {
+        let visit = |sifted: Sifted<R>| {
             primitive = R::Bits::select(sifted.key.lt(end), R::Bits::splat(sifted.index), primitive);
-        });
+        };
+        let low = match met {
+            Some(met) => self.pairs.sieve_met(setup, met, visit),
+            None => self.pairs.sieve(setup, visit),
+        };
         let found = active & !primitive.eq(R::Bits::splat(MISS));
         let (enters, t_near) = self.enter(setup, primitive, found);
         let sure = enters & t_near.lt(t_max);
         let doubtful = (found | (active & is_set::<R>(low))) & !sure;
-        if doubtful.any() { sure | self.any_exact(setup, Around::Nothing, t_max, doubtful) } else { sure }
+        if doubtful.none() {
+            return sure;
+        }
+        sure | self.any_exact(setup, met.map_or(Around::Nothing, Around::Pairs), t_max, doubtful)
     }
 
     #[inline(never)]
@@ -165,7 +174,7 @@ impl TriangleList {
     ) {
         let farthest = R::select(active, t_max, R::zero()).highest();
         self.pairs.visit_met(
-            |planes| around.entered(planes, farthest),
+            |k, planes| around.entered(k, planes, farthest),
             |pair| {
                 let v0 = axes(|k| R::splat(pair.vertices[0][k]));
                 let moved = |i: usize| setup.shear.apply(axes(|k| R::lookup4(&pair.vertices[i], setup.order[k])));

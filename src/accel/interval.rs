@@ -3,7 +3,7 @@
 use super::node::{Node, Planes};
 use crate::geometry::RaySetup;
 use crate::geometry::slab::FAR_PAD;
-use crate::lane::{Bits, Real, axes};
+use crate::lane::{Bits, Mask, Real, axes};
 
 /// Bounds of what the rays of a packet do, for testing eight boxes against all of them at once.
 ///
@@ -157,7 +157,7 @@ impl<E: Real> Segments<E> {
     /// Of boxes those that some segment may meet, as bits.
     #[inline(always)]
     pub fn meets(&self, lo: [E; 3], hi: [E; 3]) -> u32 {
-        let both = axes(|k| lo[k].le_bits(self.hi[k]) & self.lo[k].le_bits(hi[k]));
-        both[0] & both[1] & both[2]
+        let both = axes(|k| lo[k].le(self.hi[k]) & self.lo[k].le(hi[k]));
+        (both[0] & both[1] & both[2]).bits()
     }
 }

@@ -58,6 +58,27 @@ pub struct Sifted<R: Real> {
 /// The sign of zero, of every number below it, and of no other.
 const SIGN: u32 = 1 << 31;
 
+/// Pairs of a list of 64 at most, as bits.
+#[derive(Clone, Copy)]
+pub struct Met(u64);
+
+impl Met {
+    #[inline(always)]
+    pub fn count(self) -> usize {
+        self.0.count_ones() as usize
+    }
+    /// Those of a range, which is not empty.
+    #[inline(always)]
+    fn of_range(self, range: &Range<usize>) -> u64 {
+        self.0 & (u64::MAX >> (64 - range.end.clamp(1, 64))) & (u64::MAX << (range.start % 64))
+    }
+    /// Of the eight pairs from 8·`k` on.
+    #[inline(always)]
+    pub fn of_eight(self, k: usize) -> u32 {
+        (self.0 >> (8 * k)) as u32 & 0xff
+    }
+}
+
 impl Facet {
     fn new(v: [[f32; 3]; 3]) -> Self {
         let Bounds { lo, hi } = Bounds::of_triangle(v);
@@ -96,12 +117,12 @@ impl Pairs {
         pairs
     }
 
-    /// The pairs in order, without those whose own boxes no lane enters: `entered` tells of eight boxes, as bits. Calls `visit`
-    /// with each until it returns true.
+    /// The pairs in order, without those whose own boxes no lane enters: `entered` tells of eight boxes, given with their number
+    /// among the eights, as bits. Calls `visit` with each until it returns true.
     #[inline(always)]
-    pub fn visit_met(&self, entered: impl Fn(&Planes) -> u32, mut visit: impl FnMut(&Pair) -> bool) {
+    pub fn visit_met(&self, entered: impl Fn(usize, &Planes) -> u32, mut visit: impl FnMut(&Pair) -> bool) {
         for (k, planes) in self.planes.iter().enumerate() {
-            for i in ones(entered(planes)) {
+            for i in ones(entered(k, planes)) {
                 if self.list.get(8 * k + i).is_some_and(&mut visit) {
                     return;
                 }
@@ -109,10 +130,17 @@ impl Pairs {
         }
     }
 
-    /// How many pairs `entered` tells of, as in [`Pairs::visit_met`].
+    /// Those that `entered` tells of, where there are no more than 64.
     #[inline(always)]
-    pub fn count_met(&self, entered: impl Fn(&Planes) -> u32) -> usize {
-        self.planes.iter().map(|planes| entered(planes).count_ones() as usize).sum()
+    pub fn met(&self, entered: impl Fn(&Planes) -> u32) -> Option<Met> {
+        if self.list.len() > 64 {
+            return None;
+        }
+        let mut bits = 0;
+        for (k, planes) in self.planes.iter().enumerate() {
+            bits |= u64::from(entered(planes)) << (8 * k);
+        }
+        Some(Met(bits))
     }
 
     fn push(&mut self, first: u32, [p, q, r]: [[f32; 3]; 3], s: Option<[f32; 3]>) {
@@ -153,6 +181,22 @@ impl Pairs {
             moved.fill(vertices, &setup.shear, &setup.order);
             for pair in &self.list[range.clone()] {
                 pair.sift(setup, &moved, &mut low, &mut visit);
+            }
+        }
+        low
+    }
+
+    /// The same of the triangles of some pairs.
+    #[inline(always)]
+    pub fn sieve_met<R: Real>(&self, setup: &RaySetup<R>, met: Met, mut visit: impl FnMut(Sifted<R>)) -> R::Bits {
+        let mut low = R::Bits::splat(0);
+        let mut moved = Moved::new();
+        for (vertices, range) in &self.groups {
+            moved.fill(vertices, &setup.shear, &setup.order);
+            let mut bits = met.of_range(range);
+            while bits != 0 {
+                self.list[bits.trailing_zeros() as usize].sift(setup, &moved, &mut low, &mut visit);
+                bits &= bits - 1;
             }
         }
         low

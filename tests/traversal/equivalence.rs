@@ -131,6 +131,27 @@ fn segments_that_just_reach() {
     assert!(hits * 5 > rays.len() && hits * 2 < rays.len(), "{hits} of {} hit: the test would see little", rays.len());
 }
 
+/// Packets whose segments are about half of a list's triangles: neither so few that they are tested one after another, nor all.
+/// Lists of several groups of vertices, of as many as have bits, and of one more.
+#[test]
+fn segments_that_are_about_half() {
+    let mut rng = Random::new(43);
+    for triangles in [5, 21, 22, 63, 64, 65] {
+        let shapes = Shapes::random(triangles, 0, 0.4, &mut rng);
+        let accel = shapes.everything(Preset::Medium);
+        let mut rays = Vec::new();
+        for _ in 0..256 {
+            let middle = rng.point(0.8);
+            for _ in 0..16 {
+                let [o, end] = [(); 2].map(|_| middle.map(|x| x + 0.7 * rng.signed()));
+                rays.push(OneRay { o, d: [0, 1, 2].map(|k| end[k] - o[k]), t_max: 1.0 });
+            }
+        }
+        let hits = ask_all(&[&accel], &rays).iter().filter(|(hit, _)| hit.1 != MISS).count();
+        assert!(hits > 200 && hits + 200 < rays.len(), "{hits} of {} hit: the test would see little", rays.len());
+    }
+}
+
 /// As a camera sends them: packets that go through the tree together, some of their rays at vertices and along edges, some
 /// that end early or are no use, at triangles of which some lie on others.
 #[test]
