@@ -148,11 +148,7 @@ fn segments_that_are_about_half() {
             }
         }
         let hits = ask_all(&[&accel], &rays).iter().filter(|(hit, _)| hit.1 != MISS).count();
-        assert!(
-            hits > 5 * triangles && hits + 200 < rays.len(),
-            "{hits} of {} hit: the test would see little",
-            rays.len()
-        );
+        assert!(hits > 40 && hits + 200 < rays.len(), "{hits} of {} hit: the test would see little", rays.len());
     }
 }
 
