@@ -141,9 +141,9 @@ fn segments_that_are_about_half() {
         let accel = shapes.everything(Preset::Medium);
         let mut rays = Vec::new();
         for _ in 0..256 {
-            let middle = rng.point(0.8);
+            let middle = rng.point(0.3);
             for _ in 0..16 {
-                let [o, end] = [(); 2].map(|_| middle.map(|x| x + 0.7 * rng.signed()));
+                let [o, end] = [(); 2].map(|_| middle.map(|x| x + rng.signed()));
                 rays.push(OneRay { o, d: [0, 1, 2].map(|k| end[k] - o[k]), t_max: 1.0 });
             }
         }
