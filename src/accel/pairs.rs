@@ -133,7 +133,7 @@ impl Pairs {
     /// Those that `entered` tells of, where there are no more than 64.
     #[inline(always)]
     pub fn met(&self, entered: impl Fn(&Planes) -> u32) -> Option<Met> {
-        if self.list.len() > 64 {
+        if self.list.len() > u64::BITS as usize {
             return None;
         }
         let mut bits = 0;

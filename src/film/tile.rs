@@ -5,7 +5,6 @@ use super::discarded::{Discarded, DiscardedSample};
 use super::error::MergeError;
 use super::pixel::PixelSums;
 use super::slot::{AovSample, COLOUR_SUMS, FilmChannels, MOST_SUMS};
-use crate::lane::array::{from_fn, map};
 
 /// Pixels `[x, x + width) × [y, y + height)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -234,7 +233,7 @@ impl TileFilm {
             let Some(sums) = sums.first_chunk_mut() else { continue };
             let all_finite = sum_finite(sums, slots);
             let finite = slots.iter().filter(|slot| all_finite || is_finite(slot));
-            *largest = finite.fold(*largest, |largest, slot| larger(largest, map(*slot, f32::abs)));
+            *largest = finite.fold(*largest, |largest, slot| larger(largest, slot.map(f32::abs)));
             if all_finite {
                 continue;
             }
@@ -307,9 +306,8 @@ fn add_slots(mut sums: [f64; COLOUR_SUMS], slots: &[[f32; 3]]) -> [f64; COLOUR_S
 }
 
 /// Channel by channel, of finite numbers.
-#[inline(always)]
 fn larger(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    from_fn(|c| if b[c] > a[c] { b[c] } else { a[c] })
+    std::array::from_fn(|c| if b[c] > a[c] { b[c] } else { a[c] })
 }
 
 fn is_finite(radiance: &[f32; 3]) -> bool {

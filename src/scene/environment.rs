@@ -3,7 +3,6 @@
 use super::EnvironmentImage;
 use super::error::SceneError;
 use crate::film::exr_read;
-use crate::lane::array::from_fn;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -28,7 +27,7 @@ pub(super) fn read(file: &Path, scale: [f32; 3]) -> Result<EnvironmentImage, Sce
     let mut texels = Vec::with_capacity(width * height);
     for row in 0..height {
         let planes = image.rgb().map(|plane| &plane[row * width..][..width]);
-        let texel = |column: usize| from_fn(|k| planes[k][column] * scale[k]);
+        let texel = |column: usize| core::array::from_fn(|k| planes[k][column] * scale[k]);
         texels.extend((0..width).map(texel));
         let scaled = texels[row * width..].as_flattened();
         if !(planes.into_iter().all(holds_radiance) && holds_radiance(scaled)) {

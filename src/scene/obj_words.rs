@@ -61,16 +61,13 @@ fn leading_index(text: &str) -> (Option<i64>, usize) {
 
 /// The words of a line of numbers; a comment may end it.
 pub(super) fn words(rest: &str) -> impl Iterator<Item = &str> {
-    rest.split_ascii_whitespace().take_while(|word| word.as_bytes().first() != Some(&b'#'))
+    rest.split_ascii_whitespace().take_while(|word| !word.starts_with('#'))
 }
 
 /// Is a word surely a finite number, being short and of digits with a point and a sign at most? (To read it takes longer.)
 pub(super) fn is_plain(word: &str) -> bool {
     const SHORT: usize = 32;
-    let unsigned = match word.as_bytes() {
-        [b'-', unsigned @ ..] => unsigned,
-        unsigned => unsigned,
-    };
+    let unsigned = word.strip_prefix('-').unwrap_or(word).as_bytes();
     let (mut digits, mut points) = (0, 0);
     for byte in unsigned {
         digits += usize::from(byte.is_ascii_digit());
