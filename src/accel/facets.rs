@@ -3,7 +3,7 @@
 use super::block::keep_triangle;
 use super::interval::{Interval, Segments};
 use super::node::Planes;
-use super::pairs::{Facet, Met, Pairs, Sifted};
+use super::pairs::{Facet, Met, Pairs};
 use super::tree::common_octant;
 use crate::geometry::{Edges, Hit, MISS, RaySetup, Rows, SharedEdge, first_of_pair, second_of_pair};
 use crate::lane::array::{from_fn, map};
@@ -74,7 +74,7 @@ impl TriangleList {
         let one = R::Bits::splat(1);
         let mut best = hit.t.to_bits() - one;
         let (mut primitive, mut weights, mut sum) = (R::Bits::splat(MISS), [R::zero(); 2], R::one());
-        let low = self.pairs.sieve(setup, |sifted| {
+        let low = self.pairs.sieve(setup, None, |sifted| {
             // In order of their index, so that the lower keeps a tie.
             let closer = sifted.key.lt(best);
             best = R::Bits::select(closer, sifted.key, best);
@@ -128,13 +128,9 @@ impl TriangleList {
         }
         let end = t_max.to_bits() - R::Bits::splat(1);
         let mut primitive = R::Bits::splat(MISS);
-        let visit = |sifted: Sifted<R>| {
+        let low = self.pairs.sieve(setup, met, |sifted| {
             primitive = R::Bits::select(sifted.key.lt(end), R::Bits::splat(sifted.index), primitive);
-        };
-        let low = match met {
-            Some(met) => self.pairs.sieve_met(setup, met, visit),
-            None => self.pairs.sieve(setup, visit),
-        };
+        });
         let found = active & !primitive.eq(R::Bits::splat(MISS));
         let (enters, t_near) = self.enter(setup, primitive, found);
         let sure = enters & t_near.lt(t_max);

@@ -168,31 +168,22 @@ impl Pairs {
         core::mem::size_of_val(self.list.as_slice()) + core::mem::size_of_val(self.planes.as_slice()) + groups
     }
 
-    /// Shows `visit` every triangle in order. Own boxes are not looked at. Returns a word whose sign marks lanes that pass
-    /// some triangle's edges and meet its plane at a low angle: whether and where they hit that one is not said.
+    /// Shows `visit` every triangle in order, or those of the pairs of `met`. Own boxes are not looked at. Returns a word whose
+    /// sign marks lanes that pass some triangle's edges and meet its plane at a low angle: whether and where they hit that one
+    /// is not said.
     ///
     /// No branch on what a triangle was: what some lane of 16 does next is anybody's guess, and a wrong guess costs as
     /// much as the work it saves. Comparisons and minima, of which few fit a cycle, are replaced by arithmetic on signs.
     #[inline(always)]
-    pub fn sieve<R: Real>(&self, setup: &RaySetup<R>, mut visit: impl FnMut(Sifted<R>)) -> R::Bits {
+    pub fn sieve<R: Real>(&self, setup: &RaySetup<R>, met: Option<Met>, mut visit: impl FnMut(Sifted<R>)) -> R::Bits {
         let mut low = R::Bits::splat(0);
         let mut moved = Moved::new();
         for (vertices, range) in &self.groups {
             moved.fill(vertices, &setup.shear, &setup.order);
-            for pair in &self.list[range.clone()] {
-                pair.sift(setup, &moved, &mut low, &mut visit);
-            }
-        }
-        low
-    }
-
-    /// The same of the triangles of some pairs.
-    #[inline(always)]
-    pub fn sieve_met<R: Real>(&self, setup: &RaySetup<R>, met: Met, mut visit: impl FnMut(Sifted<R>)) -> R::Bits {
-        let mut low = R::Bits::splat(0);
-        let mut moved = Moved::new();
-        for (vertices, range) in &self.groups {
-            moved.fill(vertices, &setup.shear, &setup.order);
+            let Some(met) = met else {
+                self.list[range.clone()].iter().for_each(|pair| pair.sift(setup, &moved, &mut low, &mut visit));
+                continue;
+            };
             let mut bits = met.of_range(range);
             while bits != 0 {
                 self.list[bits.trailing_zeros() as usize].sift(setup, &moved, &mut low, &mut visit);
